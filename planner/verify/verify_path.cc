@@ -35,6 +35,7 @@
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
+#include "planner/verify/pose_check.h"
 #include "planner/verify/task_check.h"
 #include "planner/verify/timed_check.h"
 
@@ -683,10 +684,36 @@ VerifyResult verification::verifyTimed(const Problem& problem, TimedPath& motion
   return Verifier(problem, motion.path, options, wish, &motion).run();
 }
 
+namespace {
+
+/// The result for a start that is given by poses: the path must begin at them.
+VerifyResult verifyFromPoses(const Problem& problem, const Path& path, const PlanOptions& options,
+                             const std::function<bool(const Interval&)>& is_enough) {
+  VerifyResult refuted;
+  refuted.status = VerifyStatus::kRefuted;
+  refuted.segment = 0;
+  refuted.reason = "the path has no waypoints, or not one value for each planned variable";
+  const std::vector<int>& variables = problem.robot.variables;
+  if (path.positions.empty() || path.positions.front().size() != variables.size()) return refuted;
+  const std::vector<double>& first = path.positions.front();
+  Problem placed = problem;
+  placed.start_poses.clear();
+  for (std::size_t i = 0; i < first.size(); ++i) placed.start[at(variables[i])] = first[i];
+  const std::vector<Pose> X_WL = placeLinks(*problem.robot.model, placed.start);
+  refuted.reason = "the first waypoint is not at the poses of the start, or is outside the limits";
+  const bool is_there =
+      ConfigurationSpace(problem.robot.model, variables).withinLimits(first) &&
+      std::all_of(problem.start_poses.begin(), problem.start_poses.end(),
+                  [&](const robots::PoseRegion& pose) { return isInRegion(pose, X_WL); });
+  return is_there ? verify(placed, path, options, is_enough) : refuted;
+}
+
+}  // namespace
+
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options,
                     const std::function<bool(const Interval&)>& is_enough) {
   validate(problem);
-  requirePlaced(problem);
+  if (!problem.start_poses.empty()) return verifyFromPoses(problem, path, options, is_enough);
   if (!path.times.empty() && problem.condition.accept) {
     VerifyResult result;
     result.reason =

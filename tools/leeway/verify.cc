@@ -114,6 +114,7 @@ int runVerify(VerifyArguments& arguments) {
   }
   // A proof uses no results of earlier runs.
   arguments.source.no_cache = true;
+  arguments.source.places_start = is_log;
   planner::Problem problem = loadProblem(arguments.source, arguments.limits);
   if (is_log) refuseSteps(problem, "verify --log");
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());

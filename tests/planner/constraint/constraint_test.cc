@@ -308,6 +308,30 @@ TEST(Constraints, FramesThatDoNotMoveAgainstEachOtherAreRefused) {
 }
 
 /// A grip that is lost between the rows of a path is refuted.
+// Regression: the verifier searched joint values for the poses of the start itself, and refuted
+// paths that begin at others.
+TEST(Constraints, AStartOfPosesIsMetByAnyPathThatBeginsThere) {
+  const Problem problem = loadProblem(leeway::sourceFolder() + "/problems/constrained/wheel.yaml");
+  ASSERT_FALSE(problem.start_poses.empty());
+  Problem other = problem;
+  other.seed = 2;
+  other = placeStart(other);
+  EXPECT_NE(other.start, placeStart(problem).start);
+  const PlanResult result = plan(other);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+  Path elsewhere = result.path;
+  elsewhere.positions.erase(elsewhere.positions.begin());
+  EXPECT_EQ(verify(problem, elsewhere).reason.find("the first waypoint is not at the poses"), 0U);
+  for (const double x : {std::nan(""), 1e3}) {
+    elsewhere = result.path;
+    elsewhere.positions[0][0] = x;
+    EXPECT_EQ(verify(problem, elsewhere).status, VerifyStatus::kRefuted);
+  }
+  elsewhere.positions.clear();
+  EXPECT_EQ(verify(problem, elsewhere).status, VerifyStatus::kRefuted);
+}
+
 TEST(Constraints, TheVerifierRefutesALostGrip) {
   Problem problem = shipped("constrained/wheel.yaml");
   const PlanResult result = plan(problem);

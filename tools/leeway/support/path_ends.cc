@@ -76,7 +76,7 @@ std::vector<std::string> takeNearEnds(const planner::Path& path, planner::Proble
     return warnings;
   const std::vector<double>& first = path.positions.front();
   if (const double off = space.distance(startPoint(problem), first);
-      off > kExactEnd && off <= kNearEnd) {
+      problem.start_poses.empty() && off > kExactEnd && off <= kNearEnd) {
     warnings.push_back(
         fmt::format("the path begins {:.2g} off the start, and is taken from there", off));
     for (std::size_t i = 0; i < size; ++i)

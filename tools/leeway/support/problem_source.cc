@@ -436,7 +436,7 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
   }
   robots::throwIfStopped(interrupted, "the problem was read");  // after the last call of stop()
   if (change) change(problem);
-  return planner::placeStart(problem, interrupted);
+  return source.places_start ? planner::placeStart(problem, interrupted) : problem;
 }
 
 void refuseSteps(const planner::Problem& problem, const char* verb) {

@@ -24,6 +24,7 @@ struct ProblemSource {
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several hold at once
   std::vector<std::string> chain;      ///< BASE, TIP: the links of a chain, instead of `group`
   bool needs_goal = true;              ///< and a command line as well
+  bool places_start = true;            ///< a start of poses has joint values; else the path has
   bool notes_clouds = true;            ///< prints cloudNotes(); not if the answer has them
   std::string allowed;                 ///< "auto": planner::allowTouching()
   std::vector<std::string> packages;   ///< NAME=DIR

@@ -51,7 +51,8 @@ struct VerifyResult {
 /// Between two rows with times a line's place goes on with the share of the joints' way, the motion
 /// rests between steps, and frames are proven to keep LineStep::speed. The planner and the verifier
 /// share the meaning of steps: where things are held and put down, the places that poses name, and
-/// the ways of lines.
+/// the ways of lines. A start that is given by poses is met by a path that begins at them.
+///
 /// Throws robots::InputError for a problem that validate() refuses, and for one without goals and
 /// steps.
 ///
