@@ -229,7 +229,8 @@ struct Guard::Impl {
            timeSpacing(time) <= kGuardCoarsestTime * options.period;
   }
 
-  /// Takes the request's time and state; false where they make no sense.
+  /// Takes the request's time and state; false where they make no sense. The robot is at a position
+  /// that is readable also where the rest is not.
   bool begin(const GuardRequest& request) {
     const double time = request.time.value_or(nextTime());
     const bool has_time = takesTime(time);
@@ -237,25 +238,24 @@ struct Guard::Impl {
     const auto fits = [&](std::span<const double> state) {
       return state.empty() || (state.size() == size && isFinite(state));
     };
-    if (!has_begun && !fits(request.position)) is_lost = true;
-    if (!has_time || !fits(request.position) || !fits(request.velocity)) return false;
-    bool leaves = !has_begun;
-    for (std::size_t i = 0; i < request.position.size(); ++i)
-      leaves = leaves || !(std::abs(request.position[i] - next.row(0)[i]) <=
-                           options.joint_errors[i] + kVerifyWaypoint);
-    if (is_lost && !request.position.empty()) {
-      leaves = true;
-      is_lost = false;
+    const bool has_place = fits(request.position), has_velocity = fits(request.velocity);
+    const auto place = has_place ? request.position : std::span<const double>();
+    const auto moves = has_velocity ? request.velocity : std::span<const double>();
+    bool leaves = !has_begun || (is_lost && !place.empty());
+    for (std::size_t i = 0; i < place.size(); ++i)
+      leaves = leaves ||
+               !(std::abs(place[i] - next.row(0)[i]) <= options.joint_errors[i] + kVerifyWaypoint);
+    if (leaves) {
+      // The velocity of the motion before is no guide where the time is not known.
+      const bool is_fast = has_begun && !is_lost && !has_time && moves.empty();
+      known_holds = false;
+      is_lost = !has_place || !has_velocity || is_fast;
+      next.since = 0;
+      std::copy(place.begin(), place.end(), next.row(0).begin());
+      std::copy(moves.begin(), moves.end(), next.velocity.begin());
+      std::fill(next.acceleration.begin(), next.acceleration.end(), 0);
     }
-    if (!leaves) return true;
-    known_holds = false;
-    next.since = 0;
-    if (!request.position.empty())
-      std::copy(request.position.begin(), request.position.end(), next.row(0).begin());
-    if (!request.velocity.empty())
-      std::copy(request.velocity.begin(), request.velocity.end(), next.velocity.begin());
-    std::fill(next.acceleration.begin(), next.acceleration.end(), 0);
-    return true;
+    return has_time && has_place && has_velocity;
   }
 
   // ---------------------------------------------------------------------------------------------
@@ -595,7 +595,8 @@ struct Guard::Impl {
   SetpointMotion known, next;  ///< of the last answer; of the one that is made
   bool has_begun = false;      ///< there was a call
   bool known_holds = false;    ///< `known` is proven, and the robot is on it
-  /// No stop was found, or where the robot began was not readable; holds until a position is given.
+  /// No stop was found, or where the robot is, or how fast, was not readable; holds until a
+  /// position is given.
   bool is_lost = false;
   std::vector<double> velocity, acceleration;
   std::vector<std::string> jumped;  ///< obstacles

@@ -195,6 +195,30 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
             "setpoints[1] has -inf for 'elbow'; a finite number is expected");
 }
 
+/// Regression: it was taken to be where the problem starts, or where its motion had it.
+TEST_F(GuardVerb, APositionCountsAlsoInAWrongLine) {
+  const std::pair<const char*, bool> wrong[] = {
+      {R"({"position": [-0.5, 0], "setpoint": []})", true},
+      {R"({"position": [-0.5, 0], "time": "now"})", true},
+      {R"({"position": [-0.5, 0], "velocity": [0]})", false},
+      {R"({"position": [-0.5, 0, 0]})", false},
+      {R"({"position": [-0.5, 0], "position": [-0.5, 0]})", false},
+      {R"({"position": [-0.5,)", false}};
+  for (const auto& [text, is_read] : wrong) {
+    const Answer answer = guard("reach.yaml", std::string(text) + "\n[[-1,0]]\n");
+    EXPECT_EQ(answer.status, 2) << text;
+    ASSERT_EQ(answer.lines().size(), 2u) << text;
+    EXPECT_EQ(answer.lines()[1]["passed"], 0) << text;
+    EXPECT_EQ(answer.lines()[1]["certified"], is_read) << text;
+  }
+  const std::vector<json> later =
+      guard("reach.yaml", "-1,0\n" + std::string(wrong[0].first) + "\n[]\n").lines();
+  ASSERT_EQ(later.size(), 3u);
+  EXPECT_EQ(later[2]["start"], json::parse("[-0.5, 0.0]"));
+  // A wrong observation says nothing of the robot.
+  EXPECT_EQ(guard("reach.yaml", "{\"observe\": {\n[[-1,0]]\n").lines()[1]["passed"], 1);
+}
+
 /// A first line with anything that begins like a number has no names, and the next lines are read.
 TEST_F(GuardVerb, AFirstLineOfNumbersIsNoHeader) {
   const std::pair<const char*, const char*> wrong[] = {

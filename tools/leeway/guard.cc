@@ -113,11 +113,20 @@ class LineReader {
     for (std::size_t i = 0; i < names_.size(); ++i) order_.push_back(i);
   }
 
-  /// Returns nothing for an empty line, a comment and the names of columns. Throws LineFault.
-  std::optional<Line> read(const std::string& text) {
+  /// Returns false for an empty line, a comment and the names of columns. Throws LineFault; `line`
+  /// has the robot's state then, as far as the line gives one, with NaN for what was not read.
+  bool read(const std::string& text, Line& line) {
     const std::size_t first = text.find_first_not_of(" \t\r");
-    if (first == std::string::npos || text[first] == '#') return std::nullopt;
-    if (text[first] == '{' || text[first] == '[') return fromJson(text);
+    if (first == std::string::npos || text[first] == '#') return false;
+    // What is no observation may have had a position.
+    if (text[first] == '{' && text.find("\"observe\"") != text.find('"', first))
+      line.position = {std::nan("")};
+    if (text.size() > kLongestLine)
+      throw LineFault{fmt::format("{} bytes; at most {} are expected", text.size(), kLongestLine)};
+    if (text[first] == '{' || text[first] == '[') {
+      fromJson(text, line);
+      return true;
+    }
     const bool is_first = !has_begun_;
     has_begun_ = true;
     std::vector<std::string> fields = splitAt(',', text);
@@ -131,13 +140,14 @@ class LineReader {
       is_header_bad_ = true;
       takeHeader(fields);
       is_header_bad_ = false;
-      return std::nullopt;
+      return false;
     }
     if (is_header_bad_)
       throw LineFault{
           "the first line names no order of the joints that is known; rows of numbers are not read "
           "after it"};
-    return fromFields(fields);
+    line.setpoints = fromFields(fields);
+    return true;
   }
 
   const std::vector<std::string>& names() const { return names_; }
@@ -184,17 +194,16 @@ class LineReader {
     order_ = order;
   }
 
-  Line fromFields(const std::vector<std::string>& fields) const {
+  std::vector<double> fromFields(const std::vector<std::string>& fields) const {
     const std::size_t n = names_.size();
     for (const std::string& field : fields) numberOf(field);
     if (fields.size() % n != 0)
       throw LineFault{
           fmt::format("{} numbers; {}, or a multiple of that, are expected", fields.size(), n)};
-    Line line;
-    line.setpoints.resize(fields.size());
+    std::vector<double> setpoints(fields.size());
     for (std::size_t i = 0; i < fields.size(); ++i)
-      line.setpoints[i / n * n + order_[i % n]] = numberOf(fields[i]);
-    return line;
+      setpoints[i / n * n + order_[i % n]] = numberOf(fields[i]);
+    return setpoints;
   }
 
   static double number(const Json& value, const std::string& where) {
@@ -255,26 +264,35 @@ class LineReader {
     }
   }
 
-  Line fromJson(const std::string& text) const {
+  void fromJson(const std::string& text, Line& line) const {
     const Json value = parsed(text);
-    Line line;
     const std::size_t n = names_.size();
     if (value.is_array()) {
       line.setpoints = rowsOf(value, n, "setpoints");
-      return line;
+      return;
     }
+    takeState(value, line);
     if (value.contains("observe")) {
       expectKeys(value, {"observe"});
-      return observationOf(value["observe"]);
+      line = observationOf(value["observe"]);
+      return;
     }
     expectKeys(value,
                {"setpoints", "polynomials", "duration", "position", "velocity", "time", "observe"});
     if (value.contains("setpoints")) line.setpoints = rowsOf(value["setpoints"], n, "setpoints");
+    if (value.contains("polynomials") || value.contains("duration")) takePolynomials(value, line);
+  }
+
+  /// Takes the robot's state, which counts also where the rest of the line is wrong.
+  void takeState(const Json& value, Line& line) const {
+    const double unread = std::nan("");
+    line.position.assign(value.count("position"), unread);
+    line.velocity.assign(value.count("velocity"), unread);
+    if (value.contains("time")) line.time = unread;
+    const std::size_t n = names_.size();
     if (value.contains("position")) line.position = rowOf(value["position"], n, "position");
     if (value.contains("velocity")) line.velocity = rowOf(value["velocity"], n, "velocity");
     if (value.contains("time")) line.time = number(value["time"], "time");
-    if (value.contains("polynomials") || value.contains("duration")) takePolynomials(value, line);
-    return line;
   }
 
   void takePolynomials(const Json& value, Line& line) const {
@@ -518,26 +536,27 @@ class Session {
     };
     std::string message;
     std::size_t setpoints = 0;
+    Line line;
     try {
-      if (text.size() > kLongestLine)
-        throw LineFault{
-            fmt::format("{} bytes; at most {} are expected", text.size(), kLongestLine)};
-      const std::optional<Line> line = reader_.read(text);
-      if (!line) return;
-      if (line->is_observation) {
-        document["observation"] = observe(*line);
-        document["cloud"] = line->cloud ? cloudJson({line->object, {}, {}, line->cloud}) : Json();
+      if (!reader_.read(text, line)) return;
+      if (line.is_observation) {
+        document["observation"] = observe(line);
+        document["cloud"] = line.cloud ? cloudJson({line.object, {}, {}, line.cloud}) : Json();
         return tell({});
       }
-      setpoints = setpointsOf(*line);
-      check(*line);
-      message = refusalOf(*line);
+      setpoints = setpointsOf(line);
+      check(line);
+      message = refusalOf(line);
     } catch (const LineFault& fault) {
       message = fault.message;
       tellFault(message);
-      const double nothing[] = {std::nan("")};
-      look({});
-      guard_.check({.setpoints = nothing});  // the robot stops
+      if (line.is_observation) line = {};
+      look(line.time);
+      const double nothing[] = {std::nan("")};  // the robot stops
+      guard_.check({.setpoints = nothing,
+                    .position = line.position,
+                    .velocity = line.velocity,
+                    .time = line.time});
     }
     document.update(answerJson(guard_.answer(), reader_.names()));
     document["setpoints"] = setpoints;

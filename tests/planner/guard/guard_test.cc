@@ -786,7 +786,8 @@ TEST(Guard, BadRequestsStopTheRobot) {
                                    {.setpoints = good, .time = 1.76e15}};
   for (const GuardRequest& request : requests) {
     Guard guard(problem);
-    if (!request.position.empty()) guard.check({});  // where the robot begins must be readable
+    // Where the robot begins must be readable, and how fast it is there.
+    if (!request.position.empty() || !request.velocity.empty()) guard.check({});
     for (int round = 0; round < 2; ++round) {
       const GuardAnswer& answer = guard.check(request);
       EXPECT_EQ(answer.reason, GuardReason::kInvalid);
@@ -818,6 +819,31 @@ TEST(Guard, AMeasuredStateIsComparedWithTheMotion) {
   EXPECT_FALSE(inside.certified);
   EXPECT_EQ(inside.reason, GuardReason::kNotFree);
   EXPECT_EQ(inside.b, "lower wall");
+}
+
+/// Regression: after a request with a fault beside it, the robot was taken to be elsewhere.
+TEST(Guard, APositionCountsAlsoInABadRequest) {
+  const Problem problem = test::wallProblem();
+  const std::vector<double> rows = flat(towardsWall(0.3, 2, 0.02, 5)), unread(3, kNan);
+  const std::vector<double> away = {-1.5, 1.2, 0};
+  for (const bool is_first : {true, false}) {
+    Guard fast(problem), untimed(problem);
+    if (!is_first) {
+      ASSERT_EQ(fast.check({.setpoints = rows}).passed, 5);
+      ASSERT_EQ(untimed.check({.setpoints = rows}).passed, 5);
+    }
+    const GuardAnswer& lost = fast.check({.position = away, .velocity = unread});
+    EXPECT_EQ(lost.reason, GuardReason::kInvalid);
+    EXPECT_EQ(lost.start[0], -1.5);
+    EXPECT_FALSE(lost.certified);
+    EXPECT_FALSE(fast.check({.setpoints = rows}).certified);
+    EXPECT_TRUE(fast.check({.position = away}).certified);
+    // At what time, and so how fast, it was there is not known unless it was at rest.
+    EXPECT_EQ(untimed.check({.position = away, .time = 1e300}).certified, is_first);
+    EXPECT_EQ(untimed.answer().start[0], -1.5);
+    EXPECT_EQ(untimed.check({.setpoints = rows}).passed, 0);
+  }
+  EXPECT_FALSE(Guard(problem).check({.velocity = unread}).certified);
 }
 
 TEST(Guard, CallsAllocateNothing) {

@@ -70,7 +70,8 @@ struct GuardRequest {
   /// next motion begins here. Empty: on that motion; in the first call, the problem's start.
   std::span<const double> position = {};
   /// Where the motion begins at `position`: its velocity there [rad/s or m/s]. Empty: that of the
-  /// last answer's motion; in the first call, rest.
+  /// last answer's motion; in the first call, rest. Where the motion begins, and this, or in the
+  /// first call `position`, is not readable, nothing is certified until a position is given.
   std::span<const double> velocity = {};
   /// The time of this call [s]. Default: the robot has gone through what the last answer passed,
   /// and at least one period; in the first call Execution::start. Doubles near it must be at most
