@@ -428,7 +428,7 @@ struct Guard::Impl {
   }
 
   /// Returns whether a row of the stop after k setpoints keeps the limits that a stop may break.
-  /// With k = 0 the robot may already be faster than its limits, and no stop can be slower.
+  /// With k = 0 the robot may already be faster than its limits; the stop is not faster than that.
   bool stopKeepsLimits(int k, int row) {
     const double T = options.period;
     for (const ConfigurationSpace::Part& part : scene->space().parts()) {
@@ -440,8 +440,9 @@ struct Guard::Impl {
       const double rounding = kGuardDifference * (std::abs(q) + 1) / T;
       // A circle that turns farther would go the other way.
       const double fastest = is_circle ? kLongestLineTurn / T : kInfinity;
-      if (!keeps(MotionLimit::kVelocity, part.first, now,
-                 k > 0 ? std::min(options.limits.velocity[i], fastest) : fastest, rounding))
+      const double most =
+          std::max(options.limits.velocity[i], k > 0 ? 0 : std::abs(next.velocity[i]));
+      if (!keeps(MotionLimit::kVelocity, part.first, now, std::min(most, fastest), rounding))
         return false;
       // The robot may be in no state to brake within its limits from within a period.
       if (row > 2 || !(next.since > 0)) continue;

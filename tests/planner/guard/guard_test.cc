@@ -1514,6 +1514,29 @@ TEST(Guard, AStopKeepsLimitsOnVelocity) {
   expectLimits(guard, velocity, acceleration);
 }
 
+/// Regression: acceleration that has to end first took it beyond the limit.
+TEST(Guard, AStopFromWithinAPeriodKeepsLimitsOnVelocity) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 0.3}};
+  problem.execution.accelerations = {{"disc/x", 8}};
+  problem.execution.jerks = {{"disc/x", 30}};
+  GuardOptions options;
+  options.period = 0.1;
+  std::vector<double> rows;
+  for (int k = 1; k <= 4; ++k) rows.insert(rows.end(), {-1 + 0.029 * k, -1, 0});
+  for (const double time : {0.03, 0.048, 0.07}) {
+    Guard guard(problem, options);
+    ASSERT_EQ(guard.check({.setpoints = rows, .time = 0}).passed, 4);
+    const GuardAnswer& stop = guard.check({.time = time});
+    EXPECT_TRUE(stop.certified);
+    double x = stop.start[0];
+    for (std::size_t i = 0; i < stop.motion.size(); i += 3) {
+      EXPECT_LE(std::abs(stop.motion[i] - x) / options.period, 0.3 * (1 + 1e-5)) << time;
+      x = stop.motion[i];
+    }
+  }
+}
+
 TEST(Guard, VelocityChangesWithinAPeriodAreAccelerations) {
   Problem problem = test::wallProblem();
   problem.execution.velocities = {{"disc/x", 1}};
