@@ -28,12 +28,18 @@ using collision::UpdateStatus;
 /// NaN, the product of 0 m/s and an infinite time, becomes infinity.
 double upwards(double x) { return x >= 0 ? x * (1 + kGrowthRounding) : kInfinity; }
 
+constexpr Obstacles::Bound kNoBound{kInfinity, kInfinity};
+
 }  // namespace
 
 /// One obstacle: where it was last seen, and what is known of it from then on.
 struct Obstacles::Followed {
-  Followed(const Object& object, bool is_predicted, double seen_at, double speed)
-      : name(object.name), predicted(is_predicted), seen(seen_at), speed_bound(speed) {}
+  Followed(const Object& object, bool is_predicted, double seen_at, const Bound& given)
+      : name(object.name),
+        predicted(is_predicted),
+        seen(seen_at),
+        bound(given),
+        speed_bound(given.speed) {}
   virtual ~Followed() = default;
 
   /// Whether it has a motion; bounds on the speed of its points in that motion [m/s], and on the
@@ -47,9 +53,13 @@ struct Obstacles::Followed {
 
   virtual bool isSeenAs(const Sight& sight) const = 0;
   /// A bound on the speed of its points [m/s].
-  virtual double pointSpeed(const Bound& bound) const = 0;
+  virtual double pointSpeed(const Bound& of) const = 0;
   /// How far its points are from where they were last seen [m]; NaN as for jump().
   virtual double moved(const Sight& sight) const = 0;
+  /// See Obstacles::jump().
+  virtual double jump(const Sight& sight, double time) const {
+    return moved(sight) - agedGrowth(time);
+  }
   /// Takes a sight; throws std::invalid_argument where it makes no sense.
   virtual void see(const Sight& sight, double time, double speed) = 0;
 
@@ -70,21 +80,30 @@ struct Obstacles::Followed {
     const double rounding = own || !hasMotion() ? 0 : 2 * motionRounding(from, to);
     return upwards(speedBetween(from, to) * (to - from)) + rounding;
   }
+  /// The bounds that hold between `seen` and a time.
+  Bound boundTo(double time) const {
+    if (own && time < seen) return time >= seen_before ? rates_before : kNoBound;
+    const bool by_motion = predicted || (hasMotion() && !own && !std::isfinite(speed_bound));
+    return by_motion ? kNoBound : bound;
+  }
 
   std::string name;
   bool predicted;      ///< its motion is known after the last look
   double seen;         ///< when it was seen [s]
-  double speed_bound;  ///< of its points: the program's, with observations, or the problem's [m/s]
+  Bound bound;         ///< the program's, with observations, or the problem's
+  double speed_bound;  ///< of its points by that [m/s]
   bool own = false;    ///< the program has observed it
-  // With `own`: when it was seen before that, and the speed bound from then until `seen`.
+  // With `own`: when it was seen before that, and bounds from then until `seen`: on the speed of
+  // its points, and as `bound`.
   double seen_before = 0, bound_before = 0;
+  Bound rates_before;
 };
 
 struct Obstacles::Deforming final : Followed {
   Deforming(const DeformingObstacle& obstacle, const Execution& execution)
       : Followed(obstacle.object,
                  obstacle.motion != nullptr && execution.foresight == Foresight::kMotion,
-                 execution.start, obstacle.speed_bound),
+                 execution.start, {obstacle.speed_bound}),
         source(&obstacle),
         present(obstacle.mesh, obstacle.motion, obstacle.options),
         future(obstacle.mesh, obstacle.motion, obstacle.options) {}
@@ -100,7 +119,7 @@ struct Obstacles::Deforming final : Followed {
   UpdateStatus foresee(double time) override { return future.update(time); }
 
   bool isSeenAs(const Sight& sight) const override { return sight.index() == 0; }
-  double pointSpeed(const Bound& bound) const override { return bound.speed; }
+  double pointSpeed(const Bound& of) const override { return of.speed; }
   double moved(const Sight& sight) const override {
     const auto& vertices = std::get<0>(sight);
     const std::span<const Eigen::Vector3d> before = present.snapshot()->vertices();
@@ -140,12 +159,13 @@ struct Obstacles::Deforming final : Followed {
 struct Obstacles::Rigid : Followed {
   Rigid(const Object& object, const Execution& execution)
       : Followed(object, object.motion->poses && execution.foresight == Foresight::kMotion,
-                 execution.start - object.motion->age, 0),
+                 execution.start - object.motion->age,
+                 {object.motion->speed_bound, object.motion->turn_bound}),
         poses(object.motion->poses),
         extent(extentOf(object)),
         present(object.X_WO),
         future(object.X_WO) {
-    speed_bound = Rigid::pointSpeed({object.motion->speed_bound, object.motion->turn_bound});
+    speed_bound = Rigid::pointSpeed(bound);
   }
 
   bool hasMotion() const override { return poses != nullptr; }
@@ -165,16 +185,33 @@ struct Obstacles::Rigid : Followed {
   }
 
   bool isSeenAs(const Sight& sight) const override { return sight.index() == 1; }
-  double pointSpeed(const Bound& bound) const override {
-    return planner::pointSpeed(bound.speed, bound.turning, extent);
+  double pointSpeed(const Bound& of) const override {
+    return planner::pointSpeed(of.speed, of.turning, extent);
   }
   double moved(const Sight& sight) const override {
     const auto& X_WO = std::get<robots::Pose>(sight);
     if (!poseFault(X_WO).empty()) return kNaN;
-    // The rotation moves a unit vector by at most 2 sin(angle / 2), which is this norm over the
-    // root of 2.
-    const double turned = (X_WO.rotation - present.rotation).norm() / std::sqrt(2.0);
-    return (X_WO.translation - present.translation).norm() + turned * extent;
+    return (X_WO.translation - present.translation).norm() + chord(X_WO) * extent;
+  }
+  /// How far its rotation moves a unit vector at most: by 2 sin(angle / 2), which is this norm over
+  /// the root of 2.
+  double chord(const robots::Pose& X_WO) const {
+    return (X_WO.rotation - present.rotation).norm() / std::sqrt(2.0);
+  }
+  double jump(const Sight& sight, double time) const override {
+    const double of_points = Followed::jump(sight, time);
+    const auto* const X_WO = std::get_if<robots::Pose>(&sight);
+    if (X_WO == nullptr || std::isnan(of_points)) return of_points;
+    // One of the bounds may be broken where both together are not.
+    const Bound most = boundTo(time);
+    const auto beyond = [&](double change, double rate) {
+      const double jumped = rate < kInfinity ? change - upwards(rate * std::abs(time - seen)) : 0;
+      return jumped > kGuardJump ? jumped : -kInfinity;
+    };
+    const double angle = 2 * std::asin(std::min(1.0, chord(*X_WO) / 2));
+    return std::max({of_points,
+                     beyond((X_WO->translation - present.translation).norm(), most.speed),
+                     beyond(angle, most.turning)});
   }
   void see(const Sight& sight, double, double) override {
     const auto& X_WO = std::get<robots::Pose>(sight);
@@ -327,8 +364,7 @@ Obstacles::Followed& Obstacles::find(const std::string& object, const Sight& see
 }
 
 double Obstacles::jump(const std::string& object, const Sight& seen, double time) const {
-  const Followed& o = find(object, seen);
-  return o.moved(seen) - o.agedGrowth(time);
+  return find(object, seen).jump(seen, time);
 }
 
 robots::Pose Obstacles::poseOf(const std::string& object) const {
@@ -362,14 +398,17 @@ void Obstacles::set(const std::string& object, const Sight& seen, double time, c
   Followed& o = find(object, seen);
   requireBound(object, bound);
   // Between the two observations the earlier bound held, unless the obstacle jumped.
-  const bool kept = time >= o.seen && o.moved(seen) - o.agedGrowth(time) <= kGuardJump;
+  const bool kept = time >= o.seen && o.jump(seen, time) <= kGuardJump;
   const double bound_before = kept ? o.speedBetween(o.seen, time) : kInfinity;
+  const Bound rates_before = kept ? o.boundTo(time) : kNoBound;
   const double speed = o.pointSpeed(bound);
   o.see(seen, time, speed);
   o.bound_before = bound_before;
+  o.rates_before = rates_before;
   o.seen_before = o.seen;
   o.own = true;
   o.predicted = false;
+  o.bound = bound;
   o.speed_bound = speed;
   o.seen = time;
   if (isCloud(o)) with_clouds_ = nullptr;

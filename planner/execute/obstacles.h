@@ -62,7 +62,8 @@ class Obstacles {
   /// std::invalid_argument, and changes nothing, where it makes no sense.
   void set(const std::string& object, const Sight& seen, double time, const Bound& bound);
   /// How much farther points of the obstacle, seen at `time`, are from those of the last look than
-  /// its speed bound allows [m]; at most 0 where it holds, NaN for a sight that makes no sense:
+  /// its bounds allow [m], or how much farther a rigid one has turned [rad]; at most 0 where they
+  /// hold, each for itself, NaN for a sight that makes no sense:
   /// another number of vertices, numbers that are not finite, a matrix that is not a rotation, a
   /// carved cloud elsewhere. The balls of two clouds do not correspond, so that no cloud jumps: 0
   /// or less.

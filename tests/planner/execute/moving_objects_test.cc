@@ -159,6 +159,9 @@ TEST(MovingObjects, JumpsAreWhatTheBoundDoesNotAllow) {
   EXPECT_LE(obstacles.jump("gate", posed(0, 0.3, -0.5), 1), kGuardJump);
   EXPECT_GT(obstacles.jump("gate", posed(0.3, 0, 0.6), 1), kGuardJump);
   EXPECT_GT(obstacles.jump("gate", posed(0.4, 0, 0.5), 1), kGuardJump);
+  // Each for itself, also where points are not faster than both allow.
+  EXPECT_GT(obstacles.jump("gate", posed(0.4, 0, 0), 1), kGuardJump);
+  EXPECT_GT(obstacles.jump("gate", posed(0, 0, 0.6), 1), kGuardJump);
   robots::Pose bad;
   bad.rotation(0, 0) = -1;
   EXPECT_TRUE(std::isnan(obstacles.jump("gate", bad, 1)));

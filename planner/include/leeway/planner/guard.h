@@ -112,7 +112,7 @@ struct GuardAnswer {
 /// The result of an observation.
 enum class Observation : unsigned char {
   kTaken,
-  kJumped,   ///< taken; but points moved faster than the speed bound that was given before
+  kJumped,   ///< taken; but it moved, or turned, faster than a bound that was given before
   kInvalid,  ///< refused: another number of vertices, numbers that are not finite, a pose whose
              ///< matrix is not a rotation, a cloud without balls, a carved cloud elsewhere. The
              ///< last one stays
