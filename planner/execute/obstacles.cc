@@ -397,8 +397,10 @@ void Obstacles::requireBound(const std::string& object, const Bound& bound) {
 void Obstacles::set(const std::string& object, const Sight& seen, double time, const Bound& bound) {
   Followed& o = find(object, seen);
   requireBound(object, bound);
-  // Between the two observations the earlier bound held, unless the obstacle jumped.
-  const bool kept = time >= o.seen && o.jump(seen, time) <= kGuardJump;
+  // Between the two observations the earlier bound held, unless the obstacle jumped. The balls of
+  // two clouds do not correspond: before its time a cloud says nothing.
+  const bool kept = time >= o.seen && !std::holds_alternative<CloudSight>(seen) &&
+                    o.jump(seen, time) <= kGuardJump;
   const double bound_before = kept ? o.speedBetween(o.seen, time) : kInfinity;
   const Bound rates_before = kept ? o.boundTo(time) : kNoBound;
   const double speed = o.pointSpeed(bound);

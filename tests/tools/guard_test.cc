@@ -374,9 +374,10 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   const json balls = {
       {"balls", {{0, 0, 0, 0.01}}}, {"position", {0.85, 0, 0}}, {"orientation", {0, 0, 0, 1}}};
   const json file = {{"cloud", "scan.xyz"}, {"radius", 0.01}};
-  const Answer answer = guard(
-      "cloud.yaml", still + observe(0.1, points) + still + observe(0.15, balls) + still +
-                        observe(0.2, file) + still + observe(0.25, nothing) + observe(0.1, points));
+  const Answer answer =
+      guard("cloud.yaml", still + observe(0.06, points) + still + observe(0.12, balls) + still +
+                              observe(0.18, file) + still + observe(0.25, nothing) +
+                              observe(0.1, points));
   EXPECT_EQ(answer.status, 0) << answer.err;
   const std::vector<json> lines = answer.lines();
   ASSERT_EQ(lines.size(), 9u);

@@ -1307,6 +1307,17 @@ TEST(Guard, ANewCloudCountsFromTheNextLookOn) {
   EXPECT_EQ(guard.check({.setpoints = here, .time = 0.7}).passed, 0);
 }
 
+/// Regression: the balls before it were taken to be near its own.
+TEST(Guard, AScanAheadOfTimeDoesNotHideTheOneBefore) {
+  Guard guard(fenceProblem(-1));  // on the robot
+  const std::vector<double> here = still({-1, 1.2, 0}, 10);
+  ASSERT_EQ(guard.setCloud("fence", fenceAt(1.8), 0.5, 0.1), Observation::kTaken);
+  guard.look(0);
+  EXPECT_FALSE(guard.check({.setpoints = here, .time = 0}).certified);
+  guard.look(0.5);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.5}).passed, 10);
+}
+
 TEST(Guard, ACarvedCloudIsRefusedElsewhere) {
   Guard guard(fenceProblem(1.8));
   const robots::Geometry post{collision::Shape::sphere(0.05), test::at(1.8, 1.2, 0), {}};

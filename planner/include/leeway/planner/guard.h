@@ -189,10 +189,10 @@ class Guard {
                        const std::optional<robots::Pose>& X_WO = {});
   /// Bounds where obstacles can be from `time` [s] on: by their motions, or by what was seen of
   /// them, grown by their speed bounds times its age (and backwards, by the bound before, for times
-  /// between the last two observations; earlier nothing passes). Costs the update of their
-  /// hierarchies; call it before check(). Without obstacles that move it does nothing. Throws
-  /// robots::InputError for a motion that fails, std::invalid_argument for a time that is not
-  /// finite.
+  /// between the last two observations; earlier, and before a cloud's time, nothing passes). Costs
+  /// the update of their hierarchies; call it before check(). Without obstacles that move it does
+  /// nothing. Throws robots::InputError for a motion that fails, std::invalid_argument for a time
+  /// that is not finite.
   void look(double time);
 
   /// The time of a request without one [s].
