@@ -284,6 +284,8 @@ struct CompiledScene::NamedRules {
   std::shared_ptr<Index> index = std::make_shared<Index>();
   /// Objects whose clouds were cropped or carved for the place where they stand.
   std::set<std::string> fitted = {};
+  /// Objects with clouds of which a ball may stand for several points.
+  std::set<std::string> thinned = {};
   /// PointCloud::completeWithin() of all clouds, and of those that were removed since [m].
   double complete_within = kInfinity;
   std::string grasp = {};  // firstGrasp()
@@ -294,10 +296,14 @@ struct CompiledScene::NamedRules {
 
   /// Enters the cloud of an object.
   void note(const Object& object) {
-    if (isFitted(object))
-      fitted.insert(object.name);
-    else
-      fitted.erase(object.name);
+    const auto enter = [&](std::set<std::string>& names, bool is_one) {
+      if (is_one)
+        names.insert(object.name);
+      else
+        names.erase(object.name);
+    };
+    enter(fitted, isFitted(object));
+    enter(thinned, object.cloud && object.cloud->isThinned());
     if (object.cloud) complete_within = std::min(complete_within, object.cloud->completeWithin());
   }
 };
@@ -470,7 +476,8 @@ std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> ad
     changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
   };
   for (const Object& object : added)
-    if (isFitted(object) || rules_->fitted.count(object.name) != 0)
+    if (isFitted(object) || rules_->fitted.count(object.name) != 0 ||
+        (object.cloud && object.cloud->isThinned()) || rules_->thinned.count(object.name) != 0)
       changeRules([&](NamedRules& rules) { rules.note(object); });
   for (const int body : removed)
     if (rules_->moving.count(body) != 0)
@@ -526,6 +533,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
   if (before.balls) {
     auto cloud = std::make_shared<PointCloud>();
     cloud->balls = ballsOf(partsOf(body));
+    if (rules_->thinned.count(name) != 0) cloud->filters.push_back({"thin", "balls", 1});
     const bool is_empty = cloud->balls.empty();
     // No cloud is made of no balls: it moves with those that it had, and loses them there.
     if (is_empty) cloud->balls = *before.balls;
@@ -565,6 +573,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
   changed->pairs_token_ = std::make_shared<const int>();
   collision::SceneChange change(std::move(changed->scene_));
   std::vector<Part> left;
+  const bool is_thinned = rules_->thinned.count(name) != 0;
   for (const Part& part : partsOf(body)) {
     const collision::Body& of = bodies[at(part.body)];
     std::vector<std::int32_t> gone;
@@ -572,7 +581,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
     for (std::size_t b = 0; b < of.balls->size(); ++b) {
       if (!part.has(b)) continue;
       ++before;
-      if (region.contains((*of.balls)[b].center)) gone.push_back(static_cast<std::int32_t>(b));
+      if (region.replaces((*of.balls)[b], is_thinned)) gone.push_back(static_cast<std::int32_t>(b));
     }
     // One body stays, also without balls, because the object does.
     if (gone.size() == before && part.body != body) {
@@ -594,6 +603,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
   }
   NamedRules rules = *rules_;
   if (isFitted(again)) rules.fitted.insert(name);
+  if (seen.isThinned()) rules.thinned.insert(name);
   rules.parts[name] = std::move(left);
   changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
   change.setDefaultMargin(std::max(rules_->margins.common, rules_->kept));

@@ -131,7 +131,8 @@ std::vector<PointCloud::Ball> readBallList(const YamlReader& list, const robots:
   return balls;
 }
 
-/// `carved` and `cropped`: what a cloud lacked when it was saved, and for which place and robot.
+/// `carved`, `thinned` and `cropped`: what a cloud lacked when it was saved, and for which place
+/// and robot.
 void readSavedFilters(const YamlReader& map, PointCloud& cloud, std::vector<std::string>& warnings,
                       const robots::Stop& stop) {
   const std::string what = "balls, before the cloud was saved";
@@ -151,6 +152,8 @@ void readSavedFilters(const YamlReader& map, PointCloud& cloud, std::vector<std:
                              readPose(crop, warnings),
                              readBallList(crop.at("reach", "the robot's reach"), stop)});
     }
+  if (const auto thin = map.find("thinned"))
+    cloud.filters.push_back({"thin", what, static_cast<std::size_t>(thin->integer(1))});
 }
 
 /// `balls:` of a cloud. None may be left where all were carved out or cropped.
@@ -183,7 +186,7 @@ void readCloud(const YamlReader& cloud, Object& object, std::vector<std::string>
     object.cloud = readBalls(cloud, *balls, warnings, stop);
     return;
   }
-  for (const char* const key : {"carved", "cropped"})
+  for (const char* const key : {"carved", "cropped", "thinned"})
     if (const auto saved = cloud.find(key))
       saved->fail(
           fmt::format("key '{}' stands without 'balls'; it says what a saved cloud lacks", key));

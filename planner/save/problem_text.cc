@@ -618,7 +618,8 @@ class Writer {
     return listText(texts);
   }
 
-  /// With what was carved out and cropped, and where: the cloud holds for that place and robot.
+  /// With what was carved out and cropped, and where: the cloud holds for that place and robot. And
+  /// with how many balls were thinned out: others stand for several points.
   static std::string cloudText(const PointCloud& cloud, const Pose& X_WC, const std::string& what) {
     MapText text;
     text.add("balls", ballsText(cloud.balls, what));
@@ -633,6 +634,7 @@ class Writer {
     };
     if (const std::string removed = removedBy("carve"); removed != "0")
       text.add("carved", MapText().add("removed", removed).addPose(X_WC, what).text());
+    if (cloud.isThinned()) text.add("thinned", removedBy("thin"));
     std::vector<std::string> crops;
     for (const PointCloud::Crop& crop : cloud.crops)
       crops.push_back(MapText()

@@ -241,6 +241,18 @@ double PointCloud::largestRadius() const {
   return largest;
 }
 
+bool PointCloud::isThinned() const {
+  return std::any_of(filters.begin(), filters.end(),
+                     [](const CloudFilter& f) { return f.name == "thin" && f.removed > 0; });
+}
+
+bool CloudRegion::replaces(const Ball& ball, bool is_thinned) const {
+  if (!is_thinned) return contains(ball.center);
+  const double reach = ball.radius * (1 + kDistanceRounding);
+  return ((ball.center - low).array() >= reach).all() &&
+         ((high - ball.center).array() >= reach).all();
+}
+
 double PointCloud::completeWithin() const {
   double least = std::numeric_limits<double>::infinity();
   for (const Crop& crop : crops) least = std::min(least, crop.distance);
@@ -411,7 +423,7 @@ PointCloud renewed(const PointCloud& cloud, const CloudRegion& region, const Poi
   result.crops = cloud.crops;
   result.balls.reserve(cloud.size() + seen.size());
   std::copy_if(cloud.balls.begin(), cloud.balls.end(), std::back_inserter(result.balls),
-               [&](const Ball& ball) { return !region.contains(ball.center); });
+               [&, thin = cloud.isThinned()](const Ball& b) { return !region.replaces(b, thin); });
   // Sums, because regions may be renewed at the rate of a sensor.
   const auto note = [&](const CloudFilter& filter) {
     const auto same =

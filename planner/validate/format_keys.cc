@@ -31,8 +31,9 @@ constexpr Keys kMoving[] = {"keys",        "velocity",   "turning", "time",
                             "speed_bound", "turn_bound", "age"};
 constexpr Keys kMovingKey[] = {"time", "position", "orientation", "rpy"};
 constexpr Keys kOctree[] = {"file", "unseen"};
-constexpr Keys kCloud[] = {"file",    "camera", "radius",       "balls", "unseen", "carved",
-                           "cropped", "carve",  "carve_margin", "crop",  "thin",   "most_balls"};
+constexpr Keys kCloud[] = {"file",   "camera",  "radius",    "balls", "unseen",
+                           "carved", "cropped", "thinned",   "carve", "carve_margin",
+                           "crop",   "thin",    "most_balls"};
 constexpr Keys kCarved[] = {"removed", "position", "orientation", "rpy"};
 constexpr Keys kCropped[] = {"removed", "distance", "position", "orientation", "rpy", "reach"};
 constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "range", "mask", "parts"};

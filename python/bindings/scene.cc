@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "leeway/planner/plan.h"
@@ -207,9 +208,16 @@ Scene withObjectAt(const Scene& self, const std::string& name, const py::object&
   return moved;
 }
 
+/// A bound that may be infinite, where the greatest number serves as well.
+Eigen::Vector3d boundOf(const py::object& value, const char* name) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  return vector3(py::module_::import("numpy").attr("clip")(realArray(value, name), -kMost, kMost),
+                 name);
+}
+
 Scene withRegion(const Scene& self, const std::string& name, const py::object& low,
                  const py::object& high, const py::object& points, const py::object& radius) {
-  const planner::CloudRegion region{vector3(low, "low"), vector3(high, "high")};
+  const planner::CloudRegion region{boundOf(low, "low"), boundOf(high, "high")};
   const planner::PointCloud seen = cloudOf(points, radius);
   Scene renewed(self.problem,
                 released([&] { return self.compiled->withRegion(name, region, seen); }));
@@ -431,7 +439,8 @@ void defineScene(py::module_& module) {
          withObjectAt);
   define(scene, "with_region", "(self, name, low, high, points, radius)",
          "The scene after a region of a cloud was seen again: balls with their centers in the box "
-         "from `low` to `high` are gone, and `points` (n, 3) [m] with "
+         "from `low` to `high` (of a thinned cloud: balls in it as a whole) are gone, and `points` "
+         "(n, 3) [m] with "
          "`radius` (a number, or one a point) are there, all in the cloud's frame. It costs what "
          "the region does, plus a copy of the cloud. Start from the first scene where regions are "
          "the same, and compile again when most of a cloud was renewed.",

@@ -75,7 +75,8 @@ def test_a_region_is_seen_again(robot):
         with pytest.raises(ValueError):
             scene.with_region(*wrong, 0.01)
     with pytest.raises(ValueError, match="^low"):
-        scene.with_region("post", (-np.inf, -1, -1), high, above, 0.01)
+        scene.with_region("post", (-np.nan, -1, -1), high, above, 0.01)
+    assert scene.with_region("post", (-np.inf,) * 3, (np.inf, np.inf, 0), above, 0.01).problem.world is not None
 
 
 def test_unseen_space_is_occupied_and_saved(world, robot, tmp_path):

@@ -349,6 +349,31 @@ TEST(ChangedWorld, RegionsOfACloudAreSeenAgain) {
   EXPECT_GT(counts.not_free, 12 * casesToAsk(8));
 }
 
+/// A thinned cloud, one that was moved, and one of which a region was thinned.
+TEST(ChangedWorld, RegionsKeepBallsThatMayStandForPointsOutside) {
+  PointCloud cloud;
+  for (const double x : {0.82, 0.84, 0.98}) cloud.balls.push_back({{x, 0.05, 0.05}, 0.01});
+  const PointCloud thin = thinned(cloud, 0.2);
+  const CloudRegion region{{0, -1, -1}, {0.95, 1, 1}}, larger{{0, -1, -1}, {1, 1, 1}};
+  const Problem wall = test::wallProblem();
+  const auto sceneOf = [&wall](const PointCloud& seen, const robots::Pose& X_WO) {
+    Problem problem = wall;
+    problem.world.objects.push_back({"dust", {}, X_WO, std::make_shared<const PointCloud>(seen)});
+    return std::pair(std::make_shared<const CompiledScene>(problem), problem);
+  };
+  const robots::Pose here = test::at(-1, 0, 0), there = test::at(-1, 0.5, 0);
+  const auto [scene, problem] = sceneOf(thin, here);
+  const auto renewed_there = sceneOf(renewed(thin, region, {}), there).second;
+  EXPECT_EQ(scene->withRegion("dust", region, {})->differenceFrom(problem), "");
+  EXPECT_EQ(scene->withObjectAt("dust", there)
+                ->withRegion("dust", region, {})
+                ->differenceFrom(renewed_there),
+            "");
+  const auto seen = sceneOf(cloud, here).first->withRegion("dust", larger, thin);
+  EXPECT_EQ(seen->withRegion("dust", region, {})->differenceFrom(problem), "");
+  EXPECT_NE(seen->withRegion("dust", larger, {})->differenceFrom(problem), "");
+}
+
 TEST(ChangedWorld, RefusesRegionsOfWhatIsNoCloud) {
   Problem problem = test::wallProblem();
   PointCloud cloud;

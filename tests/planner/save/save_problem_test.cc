@@ -443,8 +443,16 @@ TEST(SaveProblem, BallsOfCloudsAreRead) {
     loaded.world.objects[0].X_WO.translation.x() = 1;
     expectInputError([&] { validate(loaded); }, loaded.name, 0, {"at which it was carved"});
   }
+  // The balls of a thinned cloud still stand for others.
+  Problem thin = load("balls: [[0, 0, 0, 0.1], [0.1, 0, 0, 0.2]]");
+  std::shared_ptr<const PointCloud>& all = thin.world.objects[0].cloud;
+  all = std::make_shared<const PointCloud>(thinned(*all, 1));
+  EXPECT_TRUE(again(thin).world.objects[0].cloud->isThinned());
   const std::string name = folder.path("b.yaml");
   for (const auto& wrong : {std::pair("balls: []", "at least one"),
+                            {"balls: [], thinned: 3", "at least one"},
+                            {"balls: [[0, 0, 0, 1]], thinned: 0", "thinned"},
+                            {"file: b.yaml, radius: 1, thinned: 1", "without 'balls'"},
                             {"balls: [[0, 0, 0, 1]], carved: 0", "carved"},
                             {"file: b.yaml, radius: 1, carved: 1", "without 'balls'"},
                             {"balls: [[0, 0, 0]]", "radius"},

@@ -259,6 +259,22 @@ TEST(PointCloud, ARegionThatIsSeenAgainIsReplaced) {
   EXPECT_THROW((void)renewed(cloud, upper, seen), std::invalid_argument);
 }
 
+/// Regression: points outside went with the larger ball that stood for them.
+TEST(PointCloud, ARegionKeepsBallsThatMayStandForPointsOutside) {
+  PointCloud cloud;
+  for (const double x : {0.82, 0.84, 0.98}) cloud.balls.push_back({{x, 0.05, 0.05}, 0.01});
+  const PointCloud thin = thinned(cloud, 0.2);
+  ASSERT_TRUE(thin.isThinned());
+  EXPECT_FALSE(thinned(cloud, 0.001).isThinned());
+  const CloudRegion region{{0, -1, -1}, {0.95, 1, 1}}, larger{{0, -1, -1}, {1, 1, 1}};
+  EXPECT_EQ(renewed(cloud, region, {}).size(), 1U);
+  EXPECT_EQ(renewed(thin, region, {}).size(), 1U);
+  EXPECT_EQ(renewed(thin, larger, {}).size(), 0U);
+  // So do balls that are seen later.
+  const PointCloud now = renewed(cloud, larger, thin);
+  EXPECT_EQ(renewed(now, region, {}).size(), 1U);
+}
+
 TEST(PointCloud, ACropCoversWhatIsInsideItsReach) {
   const PointCloud::Crop crop{0.1, {}, {{{0.1, 0, 0}, 0.1}, {{-0.2, 0, 0.1}, 0.05}}};
   const auto covers = [&](std::initializer_list<Ball> balls) {

@@ -49,6 +49,8 @@ struct PointCloud {
   double completeWithin() const;
   /// 0 for no balls. O(size).
   double largestRadius() const;
+  /// Whether a ball may stand for several points, as after thinned().
+  bool isThinned() const;
 };
 
 /// Points in memory, as drivers and sensor_msgs/PointCloud2 keep them: x, y and z stand one after
@@ -107,8 +109,11 @@ struct CloudRegion {
   bool contains(const Eigen::Vector3d& p) const {
     return (low.array() <= p.array()).all() && (p.array() <= high.array()).all();
   }
+  /// Whether renewed() removes a ball of a cloud that is, or is not, thinned.
+  bool replaces(const PointCloud::Ball& ball, bool is_thinned) const;
 };
-/// The cloud after a sensor saw a region again: without the balls that have their centers in it,
+/// The cloud after a sensor saw a region again: without the balls that have their centers in it
+/// (of a thinned cloud: that lie in it as a whole, because others may stand for points outside),
 /// and then those of `seen`, whose filters are added. A ball of `seen` may be anywhere. `seen` may
 /// have no ball: nothing is there any more. Throws std::invalid_argument for a region with a NaN or
 /// a lower bound above the upper one, and for a cropped `seen`. O(size).
