@@ -461,7 +461,7 @@ struct Guard::Impl {
   /// why the first setpoint does not pass stays.
   bool hasStop(int k) {
     if (!appendStop(k)) {
-      if (k > 0) fail(GuardReason::kNotCertified, true);
+      if (k > 0 || answer.reason == GuardReason::kPassed) fail(GuardReason::kNotCertified, true);
       return false;
     }
     const GuardAnswer before = answer;
