@@ -11,6 +11,7 @@
 #include "collision/base/numbers.h"
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
+#include "collision/deform/motion/motion_input.h"
 
 namespace leeway::collision {
 namespace {
@@ -28,7 +29,7 @@ bool isSmall(const Eigen::Vector3d& v) { return (v.array().abs() <= kLargestSize
 /// Returns the key with its rotation made orthogonal, so that motions meet at keys.
 PoseMotion::Key checked(PoseMotion::Key key, const std::string& where) {
   const std::string limit = "; finite numbers up to 1e9 are expected";
-  requireNumber(isSmall(key.time), where + ".time is " + std::to_string(key.time) + " s" + limit);
+  requireNumber(isSmall(key.time), where + ".time is " + shown(key.time) + " s" + limit);
   requireNumber(isSmall(key.X_WB.translation), where + ": the position is out of range" + limit);
   requireNumber(isPose(key.X_WB) && key.X_WB.rotation.determinant() > 0,
                 where + ": the orientation is not a rotation; a right-handed one is expected");

@@ -291,7 +291,7 @@ PointCloud makeCloud(const PointArray& points, std::span<const double> radii) {
 }
 
 PointCloud thinned(const PointCloud& cloud, double cell) {
-  requireSize("cell", cell);
+  requireSize("thin: a cell of", cell);
   GridCells grid(cloud.size());
   std::vector<std::size_t> cell_of(cloud.size());
   std::vector<CellBalls>& cells = grid.cells;

@@ -122,7 +122,7 @@ def test_carving_leaves_out_what_touches_an_object(world):
     (np.zeros((3, 3)), np.nan, {}, "radius"),
     (np.zeros((3, 3)), [0.1, 0.2], {}, "2 radii for 3 points"),
     (np.full((3, 3), 1e10), 0.1, {}, "point 0"),
-    (np.zeros((3, 3)), 0.1, {"thin": 0}, "cell 0"),
+    (np.zeros((3, 3)), 0.1, {"thin": 0}, "a cell of 0"),
     (np.zeros((3, 3)), 0.1, {"carve": ["cann"]}, "'cann'"),
     (np.zeros((3, 3)), 0.1, {"carve": "can"}, "carve is 'can'; a list of names"),
     (np.zeros((3, 3)), 0.1, {"carve_margin": -1, "carve": ["can"]}, "margin -1"),

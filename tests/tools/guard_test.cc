@@ -120,8 +120,9 @@ TEST_F(GuardVerb, NeedsNoGoal) {
 
 TEST_F(GuardVerb, ReadsRowsOfNumbers) {
   // The second row has two setpoints; the header has the joints in another order.
-  const Answer answer =
-      guard("reach.yaml", "elbow,shoulder\n0,-0.9995\r\n0, -0.999, 0.0002,-0.9985\n");
+  const Answer answer = guard("reach.yaml",
+                              "\xEF\xBB\xBF"
+                              "elbow,shoulder\n0,-0.9995\r\n0, -0.999, 0.0002,-0.9985\n");
   EXPECT_EQ(answer.status, 0) << answer.err;
   const std::vector<json> lines = answer.lines();
   ASSERT_EQ(lines.size(), 2u);
@@ -184,9 +185,8 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
   EXPECT_EQ(after[2]["passed"], 1);
   EXPECT_EQ(guard("reach.yaml", "elbow,elbow\n").status, 2);
   EXPECT_EQ(guard("reach.yaml", "elbow\n").status, 2);
-  // Numbers that are not finite are a fault of the policy, and stop the robot as well.
   const Answer nan = guard("reach.yaml", "nan,0\n");
-  EXPECT_EQ(nan.status, 0);
+  EXPECT_EQ(nan.status, 2);
   EXPECT_EQ(nan.document()["reason"], "invalid");
   EXPECT_EQ(nan.document()["message"],
             "setpoints[0] has nan for 'shoulder'; a finite number is expected");
@@ -254,7 +254,7 @@ TEST_F(GuardVerb, RefusesWhatItCannotGuard) {
   expectRefused("guard reach.yaml --period 0", {"--period: 0"});
   expectRefused("guard reach.yaml --joint-error x=1", {"--joint-error", "no planned joint 'x'"});
   expectRefused("guard reach.yaml --joint-error -1", {"joint_errors[0] is -1"});
-  expectRefused("guard reach.yaml --joint-error 0,1", {"--joint-error"});
+  expectRefused("guard reach.yaml --joint-error 0,1", {"'0' names no joint; a number for all, or"});
   expectRefused("guard reach.yaml --joint-error elbow=0.5,elbow=0", {"names 'elbow' twice"});
   expectRefused("guard reach.yaml --joint-error elbow,shoulder=1", {"elbow=NUMBER is expected"});
   expectRefused("guard reach.yaml --joint-error elbow=-1", {"'elbow' is -1"});
@@ -451,7 +451,7 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   wrong(with({{"carve", {"robot"}}, {"state", {0}}}), "observe.state is [0]");
   wrong(with({{"carve", {"robot"}}, {"state", {9, 0}}}), "state within the limits is expected");
   wrong(with({{"carve", {"robot"}}, {"state", {0, 0}}, {"carve_margin", -1}}), "margin -1");
-  wrong(with({{"thin", 0}}), "cell 0");
+  wrong(with({{"thin", 0}}), "observe: thin: a cell of 0;");
   wrong(with({{"most_balls", 0}}), "most_balls is 0");
   wrong(with({{"most_balls", 1.5}}), "observe.most_balls is 1.5");
   json unplaced = with({{"carve", {"robot"}}, {"state", {0, 0}}});

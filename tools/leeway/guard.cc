@@ -486,6 +486,11 @@ std::vector<double> jointErrors(const std::string& text, const std::vector<std::
     const std::size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
     const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end() && equals == std::string::npos)
+      badUsage(
+          fmt::format("--joint-error {}: '{}' names no joint; a number for all, or "
+                      "JOINT=NUMBER,... is expected",
+                      text, name));
     if (found == names.end())
       badUsage(fmt::format("--joint-error {}: no planned joint '{}'{}", text, name,
                            planner::didYouMean(name, names)));
@@ -607,15 +612,10 @@ class Session {
     return {};
   }
 
-  /// Why the guard refused a line whose sizes are right; empty if it did not. Numbers that are not
-  /// finite are a fault of the policy, not of the line.
+  /// Why the guard refused a line whose sizes are right; empty if it did not.
   std::string refusalOf(const Line& line) {
     if (guard_.answer().reason != planner::GuardReason::kInvalid) return {};
     const std::size_t n = reader_.names().size(), setpoints = setpointsOf(line);
-    for (std::size_t i = 0; i < line.setpoints.size(); ++i)
-      if (const double x = line.setpoints[i]; !std::isfinite(x))
-        return fmt::format("setpoints[{}] has {} for '{}'; a finite number is expected", i / n, x,
-                           reader_.names()[i % n]);
     std::string message = fmt::format(
         "time is {} s; seconds that do not go back, and near which numbers are at most 0.001 "
         "periods apart, are expected",
@@ -625,6 +625,13 @@ class Session {
     if (line.polynomials.empty() && setpoints > static_cast<std::size_t>(most_setpoints_))
       message = fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
                             most_setpoints_);
+    const auto wrong = std::find_if(line.setpoints.begin(), line.setpoints.end(),
+                                    [](double x) { return !std::isfinite(x); });
+    if (wrong != line.setpoints.end()) {
+      const auto i = static_cast<std::size_t>(wrong - line.setpoints.begin());
+      message = fmt::format("setpoints[{}] has {} for '{}'; a finite number is expected", i / n,
+                            *wrong, reader_.names()[i % n]);
+    }
     tellFault(message);
     return message;
   }
@@ -698,7 +705,11 @@ int runGuard(const GuardArguments& arguments) {
   options.joint_errors = jointErrors(arguments.joint_errors, names);
   printWarnings(planner::CompiledScene(problem).warnings());
   Session session(problem, options);
-  for (std::string line; std::getline(std::cin, line);) session.answer(line);
+  bool is_first = true;
+  for (std::string line; std::getline(std::cin, line); is_first = false) {
+    if (is_first && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    session.answer(line);
+  }
   if (std::cin.bad()) throw robots::InputError(kStandardInput, 0, "cannot be read");
   return session.status();
 }

@@ -134,6 +134,7 @@ TEST(PoseMotion, RefusesWhatMakesNoSense) {
   refused([] { PoseMotion::keys({}); }, "at least one");
   refused([] { PoseMotion::keys({{0, {}}, {0, {}}}); }, "keys[1].time is not after");
   refused([] { PoseMotion::keys({{kNan, {}}}); }, "keys[0].time");
+  refused([] { PoseMotion::keys({{1e300, {}}}); }, "keys[0].time is 1e+300 s");
   Pose bad;
   bad.translation.x() = kNan;
   refused([&] { PoseMotion::keys({{0, bad}}); }, "keys[0]: the position");

@@ -534,7 +534,7 @@ TEST_F(CloudProblems, BadKeysNameTheirLine) {
   expectError(begin + "cloud: {file: scan.xyz, radius: .nan}\n", 12, {"radius"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, thinn: 1}\n", 12,
               {"'thinn'", "'thin'"});
-  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, thin: 0}\n", 12, {"cell 0"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, thin: 0}\n", 12, {"a cell of 0;"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, crop: -1}\n", 12, {"distance -1"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve_margin: 1}\n", 12,
               {"'carve_margin' stands without 'carve'"});
