@@ -136,6 +136,10 @@ constexpr double kGuardLongestChord = 2e3;
 /// no rounding of programs that see.
 constexpr double kGuardJump = 1e-9;
 
+/// A sight this much later than a time is of that time: a few ulps of sums of periods [relative to
+/// 1 s and the time].
+constexpr double kSightTime = 1e-14;
+
 /// Two times of a guard this near are one [periods].
 constexpr double kGuardSameTime = 1e-6;
 /// A guard refuses times whose neighbouring doubles are farther apart than this [periods]. Seconds

@@ -284,8 +284,10 @@ struct CompiledScene::NamedRules {
   std::shared_ptr<Index> index = std::make_shared<Index>();
   /// Objects whose clouds were cropped or carved for the place where they stand.
   std::set<std::string> fitted = {};
-  /// Objects with clouds of which a ball may stand for several points.
+  /// Objects with clouds of which a ball may stand for several points, and bodies of such clouds
+  /// that were seen in regions of others (Part::body).
   std::set<std::string> thinned = {};
+  std::set<int> thinned_parts = {};
   /// PointCloud::completeWithin() of all clouds, and of those that were removed since [m].
   double complete_within = kInfinity;
   std::string grasp = {};  // firstGrasp()
@@ -533,7 +535,12 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
   if (before.balls) {
     auto cloud = std::make_shared<PointCloud>();
     cloud->balls = ballsOf(partsOf(body));
-    if (rules_->thinned.count(name) != 0) cloud->filters.push_back({"thin", "balls", 1});
+    const auto isThinned = [this](const Part& part) {
+      return rules_->thinned_parts.count(part.body) != 0;
+    };
+    const std::vector<Part> parts = partsOf(body);
+    if (rules_->thinned.count(name) != 0 || std::any_of(parts.begin(), parts.end(), isThinned))
+      cloud->filters.push_back({"thin", "balls", 1});
     const bool is_empty = cloud->balls.empty();
     // No cloud is made of no balls: it moves with those that it had, and loses them there.
     if (is_empty) cloud->balls = *before.balls;
@@ -573,8 +580,9 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
   changed->pairs_token_ = std::make_shared<const int>();
   collision::SceneChange change(std::move(changed->scene_));
   std::vector<Part> left;
-  const bool is_thinned = rules_->thinned.count(name) != 0;
   for (const Part& part : partsOf(body)) {
+    const bool is_thinned = part.body == body ? rules_->thinned.count(name) != 0
+                                              : rules_->thinned_parts.count(part.body) != 0;
     const collision::Body& of = bodies[at(part.body)];
     std::vector<std::int32_t> gone;
     std::size_t before = 0;
@@ -603,7 +611,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
   }
   NamedRules rules = *rules_;
   if (isFitted(again)) rules.fitted.insert(name);
-  if (seen.isThinned()) rules.thinned.insert(name);
+  if (again.cloud && seen.isThinned()) rules.thinned_parts.insert(left.back().body);
   rules.parts[name] = std::move(left);
   changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
   change.setDefaultMargin(std::max(rules_->margins.common, rules_->kept));

@@ -74,7 +74,9 @@ struct Obstacles::Followed {
   }
   double agedGrowth(double time) const {
     if (time == seen) return 0;
-    if (own && time < seen)
+    // Times of what was seen and of requests are rounded apart, as 10 * 0.02 is from their sum.
+    const bool is_rounded = seen - time <= kSightTime * (1 + std::abs(seen));
+    if (own && time < seen && !is_rounded)
       return time >= seen_before ? upwards(bound_before * (seen - time)) : kInfinity;
     const double from = std::min(seen, time), to = std::max(seen, time);
     const double rounding = own || !hasMotion() ? 0 : 2 * motionRounding(from, to);
@@ -248,6 +250,10 @@ struct Obstacles::Cloud final : Rigid {
                  ? Rigid::moved(sight)
                  : kNaN;
     return CloudScene::fault(other->cloud.get(), placeOf(*other)).empty() ? 0 : kNaN;
+  }
+  /// The bound of a cloud is one on the speed of its points.
+  double jump(const Sight& sight, double time) const override {
+    return Followed::jump(sight, time);
   }
   void see(const Sight& sight, double time, double speed) override {
     if (const CloudSight* const other = cloudOf(sight)) {

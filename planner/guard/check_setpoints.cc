@@ -247,7 +247,7 @@ struct Guard::Impl {
                !(std::abs(place[i] - next.row(0)[i]) <= options.joint_errors[i] + kVerifyWaypoint);
     if (leaves) {
       // The velocity of the motion before is no guide where the time is not known.
-      const bool is_fast = has_begun && !is_lost && !has_time && moves.empty();
+      const bool is_fast = has_begun && !has_time && moves.empty();
       known_holds = false;
       is_lost = !has_place || !has_velocity || is_fast;
       next.since = 0;

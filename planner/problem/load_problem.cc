@@ -758,7 +758,15 @@ void allowTouching(Problem& problem, const robots::Stop& stop) {
     throw InputError(problem.name, 0, "robot.model is missing; one of loadModel() is expected");
   const Model& model = *problem.robot.model;
   model.expectMeshes();
-  const std::vector<std::pair<int, int>> touching = robots::touchingAtRest(model, stop);
+  std::vector<std::pair<int, int>> touching = robots::touchingAtRest(model, stop);
+  const auto isChecked = [&](const std::pair<int, int>& links) {
+    const std::string &a = model.links[at(links.first)].name,
+                      &b = model.links[at(links.second)].name;
+    return std::any_of(
+        problem.contacts.checked.begin(), problem.contacts.checked.end(),
+        [&](const auto& pair) { return pair == std::pair(a, b) || pair == std::pair(b, a); });
+  };
+  std::erase_if(touching, isChecked);
   std::string names;
   for (const auto& [a, b] : touching) {
     const std::string &name_a = model.links[at(a)].name, &name_b = model.links[at(b)].name;

@@ -77,7 +77,7 @@ struct ColumnRow {
   /// z once each; empty if there is none.
   std::vector<std::string_view> names = {};
   /// Without such a comment: the line of one that seems to name columns in an order of its own,
-  /// since it has the word qw, or x, y and z in another order.
+  /// since it has the word qw, or x, y and z beside each other in another order.
   std::optional<std::size_t> odd_comment = {};
 };
 /// Calls visit() for each line that is not blank and no comment. Blanks, tabs, commas or semicolons

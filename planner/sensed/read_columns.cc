@@ -51,7 +51,7 @@ std::array<std::size_t, 3> columnsOfComment(const std::vector<std::string_view>&
   return columns;
 }
 
-/// Whether a comment has the word qw, or x, y and z once each in another order.
+/// Whether a comment has the word qw, or x, y and z once each, beside each other in another order.
 bool isOdd(std::string_view comment) {
   std::vector<std::string_view> words;
   const auto isPart = [](char c) {
@@ -64,8 +64,8 @@ bool isOdd(std::string_view comment) {
   }
   if (std::find(words.begin(), words.end(), "qw") != words.end()) return true;
   const std::array<std::size_t, 3> columns = columnsOfComment(words);
-  return namesAxes(words) &&
-         (columns[2] < columns[0] || columns[2] < columns[1] || columns[1] < columns[0]);
+  const auto [first, last] = std::minmax_element(columns.begin(), columns.end());
+  return namesAxes(words) && *last - *first == 2 && !std::is_sorted(columns.begin(), columns.end());
 }
 
 /// The columns of x, y and z by name, or those of the comment where the line has numbers.

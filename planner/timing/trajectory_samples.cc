@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -136,12 +137,20 @@ Samples sample(const Trajectory& trajectory, double period) {
   const ConfigurationSpace& space = trajectory.space();
   const std::size_t size = at(space.size());
   Samples samples;
+  // Between steps the motion rests, which times in whole nanoseconds miss.
+  std::map<std::int64_t, double> rests;
+  for (const PathStep& step : trajectory.steps()) {
+    const double time = trajectory.times()[at(step.last)];
+    rests[nanoseconds(time)] = time;
+  }
   for (const auto& [time, after] : sampleTimes(trajectory, period)) {
     samples.times.push_back(time);
+    const auto rest = rests.find(nanoseconds(time));
+    const double exact = rest == rests.end() ? time : rest->second;
     std::vector<double> position(size), velocity(size), acceleration(size);
-    trajectory.configuration(time, position);
-    trajectory.velocity(time, velocity);
-    trajectory.acceleration(after, acceleration);
+    trajectory.configuration(exact, position);
+    trajectory.velocity(exact, velocity);
+    trajectory.acceleration(std::max(after, exact), acceleration);
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kRotation) {
         const std::size_t i = at(part.first);

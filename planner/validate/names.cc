@@ -97,9 +97,9 @@ std::string Names::checkedFault(const std::string& a, const std::string& b) cons
   for (const std::string& name : {a, b})
     if (problem_.robot.model->findLink(name) < 0)
       return "'" + name + "' is no link; two links are expected";
-  const auto isIt = [&](const auto& pair) { return isSamePair(pair, {a, b}); };
-  const auto& allowed = problem_.contacts.allowed;
-  return std::any_of(allowed.begin(), allowed.end(), isIt)
+  if (allowed_.empty())
+    for (const auto& [x, y] : problem_.contacts.allowed) allowed_.emplace(std::minmax(x, y));
+  return allowed_.count(std::minmax(a, b)) > 0
              ? "'" + a + "' and '" + b + "' are allowed to touch, too; one of both is expected"
              : std::string();
 }

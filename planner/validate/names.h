@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -88,6 +89,8 @@ class Names {
   std::string place(int thing) const;
 
   const Problem& problem_;
+  /// Pairs of Contacts::allowed, each in the order of its names; since checkedFault() was called.
+  mutable std::set<std::pair<std::string, std::string>> allowed_;
   std::size_t held_, objects_, deforming_;  // numbers of the first ones; links come before
   NameTable table_;
   std::string fault_;

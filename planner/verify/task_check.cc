@@ -32,8 +32,8 @@ std::string wrongSteps(const Problem& problem, const Path& path) {
   if (path.steps.empty())
     return "the path has no steps; the file of a path (--output) or a trajectory (--trajectory) as "
            ".json or .yaml has them, .csv and .path files do not";
-  if (!path.times.empty() && (path.times.size() != path.positions.size() ||
-                              path.velocities.size() != path.positions.size()))
+  if ((!path.times.empty() && path.times.size() != path.positions.size()) ||
+      path.velocities.size() != path.times.size())
     return "the path has not one time and one row of velocities for each of its rows";
   if (path.steps.size() > problem.steps.size())
     return "the path has " + std::to_string(path.steps.size()) + " steps, the problem " +

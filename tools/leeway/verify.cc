@@ -92,6 +92,14 @@ planner::VerifyResult verifyPath(const std::string& file, const VerifyArguments&
   if (arguments.ends == "near")
     for (const std::string& warning : takeNearEnds(path, problem))
       warnings.push_back(file + ": " + warning);
+  if (path.times.empty() &&
+      std::any_of(problem.steps.begin(), problem.steps.end(), [](const planner::Step& step) {
+        const auto* line = std::get_if<planner::LineStep>(&step.action);
+        return line != nullptr && std::isfinite(line->speed);
+      }))
+    warnings.push_back(file +
+                       ": is proven without times, so that the speed of lines is not; trajectories "
+                       "with velocities of joints are proven with it");
   printWarnings(warnings);
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
   options.progress = [&](const std::string& phase, double) {

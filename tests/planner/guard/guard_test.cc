@@ -837,6 +837,7 @@ TEST(Guard, APositionCountsAlsoInABadRequest) {
     EXPECT_EQ(lost.start[0], -1.5);
     EXPECT_FALSE(lost.certified);
     EXPECT_FALSE(fast.check({.setpoints = rows}).certified);
+    EXPECT_FALSE(fast.check({.position = away, .time = -5}).certified);
     EXPECT_TRUE(fast.check({.position = away}).certified);
     // At what time, and so how fast, it was there is not known unless it was at rest.
     EXPECT_EQ(untimed.check({.position = away, .time = 1e300}).certified, is_first);
@@ -1316,6 +1317,11 @@ TEST(Guard, AScanAheadOfTimeDoesNotHideTheOneBefore) {
   EXPECT_FALSE(guard.check({.setpoints = here, .time = 0}).certified);
   guard.look(0.5);
   EXPECT_EQ(guard.check({.setpoints = here, .time = 0.5}).passed, 10);
+  // Sums of periods are rounded.
+  ASSERT_EQ(guard.setCloud("fence", fenceAt(1.8), 0.7, 0.1), Observation::kTaken);
+  const double before = std::nextafter(0.7, 0.0);
+  guard.look(before);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = before}).passed, 10);
 }
 
 TEST(Guard, ACarvedCloudIsRefusedElsewhere) {

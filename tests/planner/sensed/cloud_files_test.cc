@@ -120,6 +120,7 @@ TEST_F(CloudFiles, EveryFormReadsTheSame) {
   expectThree("e.txt", "//Z Y Intensity X\n\n3 2 9 1\n8 .25 9 -.5\n1024 0 9 0\n");
   expectThree("d.csv", "# z, y, x\n3,2,1\n8,0.25,-0.5\n1024,0,0\n");
   expectThree("f.txt", "# z y x\n# by hand\n3 2 1\n# x y z\n8 0.25 -0.5\n1024 0 0\n");
+  expectThree("l.txt", "# z is up, x forward, y left\n1 2 3\n-0.5 0.25 8\n0 0 1024\n");
   expectThree("j.txt", "# columns: x, y, z\n1 2 3\n-0.5 0.25 8\n0 0 1024\n");
   expectError("k.txt", "# columns: z, y, x\n# by hand\n1 2 3\n", 1, {"seems to name columns"});
   expectError("g.txt", "# z y x w\n1 2 3\n-0.5 0.25 8\n0 0 1024\n", 1, {"one word for each"});
