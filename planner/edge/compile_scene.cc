@@ -539,6 +539,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
       return rules_->thinned_parts.count(part.body) != 0;
     };
     const std::vector<Part> parts = partsOf(body);
+    // The record of a filter keeps the fact; nothing reads its count.
     if (rules_->thinned.count(name) != 0 || std::any_of(parts.begin(), parts.end(), isThinned))
       cloud->filters.push_back({"thin", "balls", 1});
     const bool is_empty = cloud->balls.empty();

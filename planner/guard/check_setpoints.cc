@@ -246,7 +246,7 @@ struct Guard::Impl {
       leaves = leaves ||
                !(std::abs(place[i] - next.row(0)[i]) <= options.joint_errors[i] + kVerifyWaypoint);
     if (leaves) {
-      // The velocity of the motion before is no guide where the time is not known.
+      // Without a time, the velocity of the motion before does not say how fast the robot is.
       const bool is_fast = has_begun && !has_time && moves.empty();
       known_holds = false;
       is_lost = !has_place || !has_velocity || is_fast;

@@ -68,7 +68,7 @@ PoseColumns poseColumns(const CloudSource& source, const ColumnRow& first) {
                     count));
   std::vector<std::string_view> names = first.cells;
   if (!has_names) {
-    refuseOddComment(source, first);
+    refuseUnclearNames(source, first);
     names.assign(std::begin(kPosition), std::end(kPosition));
     if (count == 7) names.insert(names.end(), std::begin(kQuaternion), std::end(kQuaternion));
     if (count == 6) names.insert(names.end(), std::begin(kTurns), std::end(kTurns));

@@ -99,15 +99,13 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
       break;
     }
     drawPoint(space, goal, random, q);
-    // A narrow range around joint values that keep the constraints has few others that do.
-    if (i == 0 && constraints_ &&
-        std::all_of(space.parts().begin(), space.parts().end(), [](const auto& part) {
-          return part.kind != ConfigurationSpace::Kind::kRotation;
-        }))
-      for (std::size_t k = 0; k < q.size(); ++k)
-        if (const double middle = std::midpoint(goal.ranges[k].first, goal.ranges[k].second);
-            std::isfinite(middle))
-          q[k] = middle;
+    // Few points of a narrow range keep the constraints; its middle often does.
+    for (const ConfigurationSpace::Part& part : space.parts()) {
+      if (i > 0 || !constraints_ || part.kind == ConfigurationSpace::Kind::kRotation) continue;
+      const auto& [low, high] = goal.ranges[at(part.first)];
+      if (const double middle = std::midpoint(low, high); std::isfinite(middle))
+        q[at(part.first)] = middle;
+    }
     if (!keepsConstraints(q)) continue;
     kept = true;
     if (certifier_->decide(q) == Verdict::kFree) {

@@ -78,7 +78,7 @@ struct ColumnRow {
   std::vector<std::string_view> names = {};
   /// Without such a comment: the line of one that seems to name columns in an order of its own,
   /// since it has the word qw, or x, y and z beside each other in another order.
-  std::optional<std::size_t> odd_comment = {};
+  std::optional<std::size_t> unclear_names = {};
 };
 /// Calls visit() for each line that is not blank and no comment. Blanks, tabs, commas or semicolons
 /// part the columns, as in the first line. Only between tabs, commas and semicolons are there empty
@@ -86,7 +86,7 @@ struct ColumnRow {
 /// for a byte that no text has.
 void eachRow(const CloudSource& source, const std::function<void(const ColumnRow&)>& visit);
 /// Fails for a first row of numbers below a comment that seems to name columns but does not fit.
-void refuseOddComment(const CloudSource& source, const ColumnRow& first);
+void refuseUnclearNames(const CloudSource& source, const ColumnRow& first);
 
 // The readers. Each adds all points of its file, or throws.
 void readPly(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);

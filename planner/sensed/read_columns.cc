@@ -52,7 +52,7 @@ std::array<std::size_t, 3> columnsOfComment(const std::vector<std::string_view>&
 }
 
 /// Whether a comment has the word qw, or x, y and z once each, beside each other in another order.
-bool isOdd(std::string_view comment) {
+bool isUnclear(std::string_view comment) {
   std::vector<std::string_view> words;
   const auto isPart = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -76,7 +76,7 @@ std::array<std::size_t, 3> findColumns(const CloudSource& source, const ColumnRo
     return robots::parseNumber(cell).has_value();
   });
   if (!is_header) {
-    refuseOddComment(source, row);
+    refuseUnclearNames(source, row);
     return columnsOfComment(row.names);
   }
   std::array<std::size_t, 3> columns{};
@@ -129,10 +129,10 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
         std::vector<std::string_view> names = cellsOf(comment, separatorOf(comment));
         if (names.size() == width && namesAxes(names))
           row.names = std::move(names);
-        else if (isOdd(comment))
-          row.odd_comment = at;
+        else if (isUnclear(comment))
+          row.unclear_names = at;
       }
-      if (!row.names.empty()) row.odd_comment.reset();
+      if (!row.names.empty()) row.unclear_names.reset();
     }
     if (row.cells.size() != width)
       source.fail({line, 0}, fmt::format("the line has {} columns; {}, as the first, are expected",
@@ -141,9 +141,9 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
   }
 }
 
-void refuseOddComment(const CloudSource& source, const ColumnRow& first) {
-  if (first.odd_comment)
-    source.fail({*first.odd_comment, 0},
+void refuseUnclearNames(const CloudSource& source, const ColumnRow& first) {
+  if (first.unclear_names)
+    source.fail({*first.unclear_names, 0},
                 "the comment seems to name columns, but has not one word for each; a line of names "
                 "alone, with or without '#', is expected");
 }

@@ -47,7 +47,7 @@ class PlyPoints {
             "{}:{}: the element '{}' ({}) is left out: a cloud has balls at vertices, and its "
             "surface is free between them; 'mesh' takes the surface",
             source_.path(), e.place.line, e.name, e.count));
-    // What follows must be as the header says, or it may be points that the header does not count.
+    // Elements behind the vertices are read as well: rows that the header does not count show then.
     for (auto e = vertices + 1; e != elements_.end(); ++e) readElement(*e, {});
     expectEnd();
   }

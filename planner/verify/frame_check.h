@@ -20,8 +20,8 @@ struct FrameLook {
   double moves = 0;        ///< bound on the motion of the origin over this part of the edge [m]
   double tips = 0;         ///< the same for ends of unit vectors fixed to the frame, by rotation
   double slack = 0;        ///< displacement of any of these by rounding [m]
-  /// Of the origin in the world, at the point and at most on this part [m per unit of t]; only
-  /// after FrameCheck::measureSpeed(), of cubics.
+  /// Speed of the origin in the world, at the point and at most on this part [m per unit of t]. Set
+  /// for cubics, after FrameCheck::measureSpeed().
   double speed = 0, most_speed = 0;
 };
 

@@ -95,9 +95,9 @@ class XmlFile {
   void leaveOutUnknown(const tinyxml2::XMLElement& parent,
                        std::initializer_list<std::string_view> used,
                        std::initializer_list<std::string_view> unused);
-  /// Leaves out every <collision> with a <geometry>, and every other <geometry> but those of
-  /// visuals, that is in no <link> with nothing but elements of these names around it. Those in
-  /// what was left out are not named again.
+  /// Names each shape that is not read: a <collision> with a <geometry>, or a <geometry> that is
+  /// not a visual's, outside of links. A link counts if only elements of these names are around it.
+  /// Shapes in parts that are already left out are not named again.
   void leaveOutShapesBeyond(const std::vector<std::string_view>& around_links) {
     leaveOutShapesIn(root(), around_links);
   }

@@ -118,7 +118,7 @@ class LineReader {
   bool read(const std::string& text, Line& line) {
     const std::size_t first = text.find_first_not_of(" \t\r");
     if (first == std::string::npos || text[first] == '#') return false;
-    // What is no observation may have had a position.
+    // A line that is not an observation may have had a position.
     if (text[first] == '{' && text.find("\"observe\"") != text.find('"', first))
       line.position = {std::nan("")};
     if (text.size() > kLongestLine)

@@ -85,7 +85,8 @@ TEST(CompiledScene, AMatrixReplacesTheSrdfsPairs) {
   EXPECT_EQ(reason(compiled, "link2", "link4"), "allowed by the problem");
 }
 
-/// They are checked whatever a joint, the SRDF or geometry say, but for a step that allows them.
+/// They are checked although a joint, the SRDF or geometry leave them out, unless a step allows
+/// them.
 TEST(CompiledScene, CheckedPairsAreChecked) {
   for (const bool has_srdf : {true, false}) {
     auto model = column(5);

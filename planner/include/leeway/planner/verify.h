@@ -46,12 +46,12 @@ struct VerifyResult {
 /// collision::distance() and the definition of an edge. Conservative advancement, see
 /// verify_path.cc. A bad path is refuted, with a reason.
 ///
-/// Of a problem with steps each one's stretch is verified in the world as the steps before have
-/// left it, and lines are proven to be followed; the path must have its steps (Path::steps).
-/// Between two rows with times a line's place goes on with the share of the joints' way, the motion
-/// rests between steps, and frames are proven to keep LineStep::speed. The planner and the verifier
-/// share the meaning of steps: where things are held and put down, the places that poses name, and
-/// the ways of lines. A start that is given by poses is met by a path that begins at them.
+/// In a problem with steps, each stretch is verified in the world as the steps before have left it,
+/// and lines are proven to be followed; the path must have its steps (Path::steps). Between two
+/// rows with times, a line's place goes on with the share of the joints' way, the motion rests
+/// between steps, and frames are proven to keep LineStep::speed. The planner and the verifier share
+/// the meaning of steps: where things are held and put down, the places that poses name, and the
+/// ways of lines. A path meets a start that is given by poses if it begins at them.
 ///
 /// Throws robots::InputError for a problem that validate() refuses, and for one without goals and
 /// steps.
