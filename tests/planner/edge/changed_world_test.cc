@@ -372,6 +372,11 @@ TEST(ChangedWorld, RegionsKeepBallsThatMayStandForPointsOutside) {
   const auto seen = sceneOf(cloud, here).first->withRegion("dust", larger, thin);
   EXPECT_EQ(seen->withRegion("dust", region, {})->differenceFrom(problem), "");
   EXPECT_NE(seen->withRegion("dust", larger, {})->differenceFrom(problem), "");
+  // A ball that was seen in the region, and reaches out of it, goes by its center.
+  PointCloud hand;
+  hand.balls.push_back({{0.95, 0.05, 0.05}, 0.01});
+  const auto gone = scene->withRegion("dust", region, hand)->withRegion("dust", region, {});
+  EXPECT_EQ(gone->differenceFrom(problem), "");
 }
 
 TEST(ChangedWorld, RefusesRegionsOfWhatIsNoCloud) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -1322,6 +1323,18 @@ TEST(Guard, AScanAheadOfTimeDoesNotHideTheOneBefore) {
   const double before = std::nextafter(0.7, 0.0);
   guard.look(before);
   EXPECT_EQ(guard.check({.setpoints = here, .time = before}).passed, 10);
+}
+
+/// Regression: the bound of a cloud is one on its points. It was taken for one on its origin, and
+/// for a cloud that does not turn.
+TEST(Guard, ACloudThatTurnsWithinTheSpeedOfItsPointsHasNotJumped) {
+  Guard guard(fenceProblem(1.8));
+  ASSERT_EQ(guard.setCloud("fence", fenceAt(1.8), 0, 0.1), Observation::kTaken);
+  robots::Pose turned;
+  turned.rotation = Eigen::AngleAxisd(0.004, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  EXPECT_EQ(guard.setPose("fence", turned, 0.1, 0.1, 0), Observation::kTaken);
+  turned.rotation = Eigen::AngleAxisd(0.014, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  EXPECT_EQ(guard.setPose("fence", turned, 0.2, 0.1, 0), Observation::kJumped);
 }
 
 TEST(Guard, ACarvedCloudIsRefusedElsewhere) {

@@ -191,6 +191,18 @@ TEST_P(Shipped, IsSolvedCertifiedStraightAndVerified) {
       }
   }
 
+  // Regression: rows between steps, at times in whole nanoseconds, moved where ramps are short.
+  Problem sharp = problem;
+  for (const int v : problem.robot.variables) {
+    const std::string& name = problem.robot.model->variables[static_cast<std::size_t>(v)].name;
+    sharp.execution.velocities[name] = 0.05;
+    sharp.execution.accelerations[name] = 1000;
+  }
+  Path motion = motionOf(trajectoryOf(sharp, result.path));
+  EXPECT_EQ(verify(sharp, motion).status, VerifyStatus::kCertified) << verify(sharp, motion).reason;
+  motion.times.clear();
+  EXPECT_EQ(verify(sharp, motion).status, VerifyStatus::kRefuted) << "velocities without times";
+
   // A path without its steps, and one that leaves a line, are refuted.
   Path bare = result.path;
   bare.steps.clear();
