@@ -293,6 +293,11 @@ struct CompiledScene::NamedRules {
   std::string grasp = {};  // firstGrasp()
   /// The bodies of objects that have a motion, and where these stand at the start of the execution.
   std::map<int, robots::Pose> moving = {};
+  /// Forgets the bodies of a cloud of which regions were renewed.
+  void dropParts(const std::string& name) {
+    for (const Part& part : parts[name]) thinned_parts.erase(part.body);
+    parts.erase(name);
+  }
   /// The bodies of clouds of which regions were renewed, by the object's name; see partsOf().
   std::map<std::string, std::vector<Part>> parts = {};
 
@@ -487,7 +492,7 @@ std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> ad
   for (const int body : removed_first)
     if (body >= 0 && at(body) < scene_.bodies().size() &&
         rules_->parts.count(scene_.bodies()[at(body)].name) != 0)
-      changeRules([&](NamedRules& rules) { rules.parts.erase(scene_.bodies()[at(body)].name); });
+      changeRules([&](NamedRules& rules) { rules.dropParts(scene_.bodies()[at(body)].name); });
   collision::SceneChange change(std::move(changed->scene_));
   std::set<std::string> removed_names;
   for (const int body : removed) {
@@ -580,6 +585,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
   auto changed = std::make_shared<CompiledScene>(*this);
   changed->pairs_token_ = std::make_shared<const int>();
   collision::SceneChange change(std::move(changed->scene_));
+  NamedRules rules = *rules_;
   std::vector<Part> left;
   for (const Part& part : partsOf(body)) {
     const bool is_thinned = part.body == body ? rules_->thinned.count(name) != 0
@@ -595,6 +601,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
     // One body stays, also without balls, because the object does.
     if (gone.size() == before && part.body != body) {
       change.remove(part.body);
+      rules.thinned_parts.erase(part.body);
       continue;
     }
     left.push_back(part);
@@ -610,7 +617,6 @@ std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string
     left.push_back({change.add(bodyOf(again)), nullptr});
     objects.emplace(name, left.back().body);
   }
-  NamedRules rules = *rules_;
   if (isFitted(again)) rules.fitted.insert(name);
   if (again.cloud && seen.isThinned()) rules.thinned_parts.insert(left.back().body);
   rules.parts[name] = std::move(left);
