@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -229,6 +230,13 @@ struct Guard::Impl {
            timeSpacing(time) <= kGuardCoarsestTime * options.period;
   }
 
+  /// How far a variable is from where `next` begins. Whole turns do not move a circle.
+  double offMotion(std::size_t i, double place) const {
+    const double off = place - next.row(0)[i];
+    const bool has_turns = isCircle(static_cast<int>(i)) && std::abs(off) <= kLargestAngle;
+    return has_turns ? std::remainder(off, 2 * std::numbers::pi) : off;
+  }
+
   /// Takes the request's time and state; false where they make no sense. The robot is at a position
   /// that is readable also where the rest is not.
   bool begin(const GuardRequest& request) {
@@ -244,7 +252,7 @@ struct Guard::Impl {
     bool leaves = !has_begun || (is_lost && !place.empty());
     for (std::size_t i = 0; i < place.size(); ++i)
       leaves = leaves ||
-               !(std::abs(place[i] - next.row(0)[i]) <= options.joint_errors[i] + kVerifyWaypoint);
+               !(std::abs(offMotion(i, place[i])) <= options.joint_errors[i] + kVerifyWaypoint);
     if (leaves) {
       // Without a time, the velocity of the motion before does not say how fast the robot is.
       const bool is_fast = has_begun && !has_time && moves.empty();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -1692,6 +1693,22 @@ TEST(Guard, AStopDoesNotTurnACircleTheOtherWay) {
   Guard other(test::wallProblem(), options);
   EXPECT_FALSE(other.check({.position = place, .velocity = fast}).certified);
   EXPECT_EQ(other.answer().reason, GuardReason::kLimit);
+}
+
+/// Regression: drivers report the angle of a continuous joint with whole turns, or without them.
+TEST(Guard, WholeTurnsOfACircleStayOnTheMotion) {
+  Guard guard(test::wallProblem());
+  guard.check({});
+  std::vector<double> place(guard.answer().start.begin(), guard.answer().start.end());
+  const double angle = place[2];
+  for (const double turns : {-3, -1, 1, 2}) {
+    place[2] = angle + turns * 2 * std::numbers::pi;
+    EXPECT_TRUE(guard.check({.position = place}).certified);
+    EXPECT_EQ(guard.answer().start[2], angle) << turns;
+  }
+  place[2] = angle + 0.1 + 2 * std::numbers::pi;
+  guard.check({.position = place});
+  EXPECT_EQ(guard.answer().start[2], place[2]) << "it is elsewhere";
 }
 
 TEST(Guard, ARobotWithoutAStopIsNotTakenToRest) {
