@@ -471,20 +471,20 @@ void readAuto(const YamlReader& word, const robots::Stop& stop, Problem& problem
   warning = fmt::format("{}:{}: {}", word.file(), word.line(), warning);
 }
 
-void readAllowed(const YamlReader& allowed, const KnownNames& known, const robots::Stop& stop,
-                 Problem& problem) {
-  const auto read = [&](const YamlReader& pair) {
-    if (pair.isScalar() && pair.text() == "auto") return readAuto(pair, stop, problem);
+/// Reads the pairs in `allowed`; returns where it says `auto`, which needs to know all other pairs.
+std::vector<YamlReader> readAllowed(const YamlReader& allowed, const KnownNames& known,
+                                    Problem& problem) {
+  if (allowed.isScalar() && allowed.text() != "auto")
+    allowed.fail(
+        fmt::format("allowed is '{}'; 'auto' or a list of pairs is expected", allowed.text()));
+  if (allowed.isScalar()) return {allowed};
+  std::vector<YamlReader> words;
+  allowed.eachItem([&](const YamlReader& pair) {
+    if (pair.isScalar() && pair.text() == "auto") return words.push_back(pair);
     // (Beside `moveit`, they hold over its matrix.)
     allowPairs(readNamePairs(pair, known).pairs, problem.contacts);
-  };
-  if (allowed.isScalar()) {
-    if (allowed.text() != "auto")
-      allowed.fail(
-          fmt::format("allowed is '{}'; 'auto' or a list of pairs is expected", allowed.text()));
-    return read(allowed);
-  }
-  allowed.eachItem(read);
+  });
+  return words;
 }
 
 void readChecked(const YamlReader& checked, const KnownNames& known, Problem& problem) {
@@ -504,8 +504,10 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, const robots:
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
   if (const auto replace = file.find("replace_srdf"))
     problem.contacts.replace_srdf = replace->boolean();
-  if (const auto allowed = file.find("allowed")) readAllowed(*allowed, known, stop, problem);
+  std::vector<YamlReader> words;
+  if (const auto allowed = file.find("allowed")) words = readAllowed(*allowed, known, problem);
   if (const auto checked = file.find("checked")) readChecked(*checked, known, problem);
+  for (const YamlReader& word : words) readAuto(word, stop, problem);
   if (const auto margin = file.find("margin"))
     warnOfOverlap(problem.margins.common, *margin, problem);
   applyLinkPadding(padding, problem);

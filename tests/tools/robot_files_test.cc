@@ -367,6 +367,14 @@ TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
   write("list.yaml", text + "[[far, plate], auto]\n");
   for (const char* file : {"auto.yaml", "list.yaml"})
     expectWarned(run(std::string("plan ") + file), {std::string(file) + ":5: " + what});
+  write("but.yaml", text + "auto\nchecked: [[rest, base]]\n");
+  const Answer but = run("plan but.yaml");
+  EXPECT_EQ(but.status, 1) << but.out << but.err;
+  EXPECT_NE(but.err.find("but.yaml:5: 'auto' allows a pair of links, which touch with all joints "
+                         "at zero (MJCF: qpos0), or at the nearest limit: base and hub\n"),
+            std::string::npos)
+      << but.err;
+  EXPECT_NE(but.out.find("rest and base"), std::string::npos) << but.out;
   write("wrong.yaml", text + "all\n");
   expectRefused("plan wrong.yaml",
                 {"wrong.yaml:5: ", "allowed is 'all'; 'auto' or a list of pairs is expected"});
