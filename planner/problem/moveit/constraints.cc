@@ -163,7 +163,9 @@ Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, 
 /// All angles are at most a right angle. D = Rx(a) Ry(b) Rz(c) turns a frame. If D turns by at most
 /// t, then |a|, |b| and |c| are at most t, because cos(a) cos(b), cos(b) cos(c) and sin(b) are
 /// entries of D. If D may have any c and tilts the frame's z by at most t, then |a| and |b| are at
-/// most t. If it may have any a and tilts x by at most t, then |b| and |c| are.
+/// most t. If it may have any a and tilts x by at most t, then |b| and |c| are. The rotation vector
+/// of a turn by w about u has w sqrt(1 - u_z^2) across z, and a tilt t of z has sin(t / 2) =
+/// sqrt(1 - u_z^2) sin(w / 2): across z it has at most pi sin(t / 2), as w is at most pi.
 std::optional<Constraint> readPathOrientation(const YamlReader& constraint, HeaderFrames& frames,
                                               Problem& problem) {
   Constraint path;
@@ -190,20 +192,28 @@ std::optional<Constraint> readPathOrientation(const YamlReader& constraint, Head
   // b is at most a right angle.
   if (any[0] && any[2] && tolerances[1] >= (is_vector ? kAnyTurn : kRightAngle))
     return warn("allows any rotation; it is left out"), std::nullopt;
-  if (any[1] || (any[0] && any[2]) || (is_vector && (any[0] || any[2])))
+  const auto free = std::count(any, any + 3, true);
+  if (free > 1 || (any[1] && !is_vector))
     constraint.fail(fmt::format(
-        "{} leaves turns free that are not about the x or z axis alone{}; one of these, or "
-        "tolerances below {} about all axes are expected",
-        constraint.where(), is_vector ? " (with the rotation vector's form, any)" : "", kAnyTurn));
-  if (least > kMostEulerTurn)
+        "{} leaves turns free that are not about {} alone; one of these, or tolerances below {} "
+        "about all axes are expected",
+        constraint.where(), is_vector ? "one axis" : "the x or z axis", kAnyTurn));
+  path.angle = std::min(least, kMostEulerTurn);
+  if (least > path.angle)
     warn(
         fmt::format("allows turns of {} rad; the path keeps {} rad, as the three angles bound no "
                     "turn beyond a right angle",
-                    least, kMostEulerTurn));
-  path.angle = std::min(least, kMostEulerTurn);
-  path.turn = any[0] || any[2] ? Constraint::Turn::kAxis : Constraint::Turn::kFixed;
+                    least, path.angle));
+  if (is_vector && free == 1) {
+    path.angle = 2 * std::asin(path.angle / std::numbers::pi);
+    warn(fmt::format(
+        "allows {:.4g} rad of the rotation vector about two axes; the path tilts the third by at "
+        "most {:.4g} rad, which keeps that however far it turns",
+        least, path.angle));
+  }
+  path.turn = free == 1 ? Constraint::Turn::kAxis : Constraint::Turn::kFixed;
   path.rotation = wanted;
-  path.axis = any[0] ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+  path.axis = Eigen::Vector3d::Unit(any[0] ? 0 : any[1] ? 1 : 2);
   path.direction = wanted * path.axis;
   return checked(std::move(path), constraint, problem);
 }

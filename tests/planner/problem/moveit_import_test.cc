@@ -14,6 +14,7 @@
 #include "leeway/planner/problem.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 
@@ -1081,6 +1082,39 @@ TEST_F(MoveitImport, WideOrientationConstraintsOfThePathAreNarrowed) {
   EXPECT_NE(
       messageOf(kScene, with(keys(6.3, 2, 6.3), "parameterization: 1, ")).find("leaves turns"),
       std::string::npos);
+}
+
+/// Regression: a turn that is free about one axis was refused in the form of rotation vectors.
+TEST_F(MoveitImport, RotationVectorsMayHaveOneFreeAxis) {
+  Random random(1);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto tolerance = [&](int i) { return i == axis ? "6.3, " : "0.5, "; };
+    const Problem problem = load(
+        kScene, std::string(kRequest) +
+                    "path_constraints: {orientation_constraints: [{link_name: left, orientation: "
+                    "[0, 0, 0, 1], parameterization: 1, absolute_x_axis_tolerance: " +
+                    tolerance(0) + "absolute_y_axis_tolerance: " + tolerance(1) +
+                    "absolute_z_axis_tolerance: " + tolerance(2) + "weight: 1}]}\n");
+    ASSERT_EQ(problem.constraints.size(), 1U);
+    const Constraint& constraint = problem.constraints[0];
+    EXPECT_EQ(constraint.turn, Constraint::Turn::kAxis);
+    EXPECT_EQ(constraint.axis, Eigen::Vector3d::Unit(axis));
+    EXPECT_TRUE(warns(problem, "allows 0.5 rad of the rotation vector about two axes"));
+    double most = 0;
+    const auto about = [](double angle, int i) {
+      return Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(i));
+    };
+    for (int k = 0; k < 10000; ++k) {
+      const double tilt = constraint.angle * random.uniform(0, 1);
+      const Eigen::AngleAxisd turn(about(random.uniform(-3.2, 3.2), axis) *
+                                   about(tilt, (axis + 1) % 3) *
+                                   about(random.uniform(-3.2, 3.2), axis));
+      for (int i = 0; i < 3; ++i)
+        if (i != axis) most = std::max(most, std::abs(turn.angle() * turn.axis()[i]));
+    }
+    EXPECT_LE(most, 0.5);
+    EXPECT_GT(most, 0.45);
+  }
 }
 
 TEST_F(MoveitImport, AFloatingBaseStandsWhereTheRequestSays) {
