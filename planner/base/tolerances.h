@@ -668,8 +668,8 @@ constexpr double kNearLimit = 1e-2;
 constexpr double kDifferenceStep = 1e-5;
 constexpr double kLeastEffect = 1e-6;
 
-/// Turns as near as that to half a turn may go either way round [rad]; the sine of the least angle
-/// between the chords of an arc: its radius is at most a million times as long as they are.
+/// Turns as near as that to half a turn may go either way round [rad]; the least area between the
+/// chords of an arc, by the square of the longest: the radius is at most a million times as long.
 constexpr double kHalfTurnSlack = 1e-6;
 constexpr double kLeastArc = 1e-6;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -46,9 +47,12 @@ void requireOneWay(const AxisTurn& turn, const std::string& what) {
 Eigen::Vector3d arcNormal(const Eigen::Vector3d& from, const Eigen::Vector3d& via,
                           const Eigen::Vector3d& to, const std::string& what) {
   const Eigen::Vector3d u = via - from, v = to - from, n = u.cross(v);
-  if (!(n.norm() > kLeastArc * u.norm() * v.norm()) || !((v - u).norm() > 0))
+  // (Where two of the points nearly coincide, rounding decides on the plane.)
+  const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
+  if (!(n.norm() > kLeastArc * longest * longest))
     refuseWay(fmt::format(
-        "{}: via ({}, {}, {}) is on one line with the arc's ends; a point beside it is expected",
+        "{}: via ({}, {}, {}) is on one line with the arc's ends, or two of the three points "
+        "coincide; three points of a circle are expected",
         what, via.x(), via.y(), via.z()));
   return n;
 }

@@ -753,6 +753,13 @@ TEST(Line, BadStepsOfAProgramAreRefused) {
               line.poses[0].via = X_WF.translation + Eigen::Vector3d(0, 0, 0.1);
             }).find("is on one line with the arc's ends"),
             std::string::npos);
+  // Regression: rounding decided on the plane of an arc whose ends nearly coincide.
+  EXPECT_NE(message([&](LineStep& line) {
+              line.by.setZero();
+              line.poses = {{X_WF.translation + Eigen::Vector3d(0, 1e-12, 0), {}, {}}};
+              line.poses[0].via = X_WF.translation + Eigen::Vector3d(0.05, 0, 0);
+            }).find("or two of the three points coincide"),
+            std::string::npos);
   EXPECT_NE(message([&](LineStep& line) {
               line.by.setZero();
               line.poses = {{X_WF.translation + Eigen::Vector3d(0, 0, 0.2), {}, {}}};
