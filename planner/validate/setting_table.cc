@@ -132,6 +132,7 @@ constexpr Setting kSettings[] = {
      .key = "planner.parameters.workers",
      .option = "--workers",
      .value = PlannerParameterSetting{"workers"},
+     .range = {.lower = 1, .upper = 64},
      .help = "Searches of Connect side by side, 1 by default. Their number decides the answer; the "
              "number of threads does not"},
     {.name = "objective",
@@ -139,12 +140,13 @@ constexpr Setting kSettings[] = {
      .option = "--objective",
      .value = kObjectiveChoice,
      .help = "What is best: length, the shortest path; clearance, the path whose least clearance "
-             "is largest; or a map of what a path costs"},
+             "is largest. Files and programs may also give a map of what a path costs"},
     {.name = "improve",
      .key = "planner.parameters.improve",
      .option = "--improve",
      .unit = "s",
      .value = PlannerParameterSetting{"improve"},
+     .range = {.lower = 0},
      .help = "How long Connect looks for shorter paths once it has one, within the time limit"},
     {.name = "keep",
      .key = "objective.length.clearance",

@@ -205,7 +205,7 @@ class Verifier {
       std::snprintf(text, sizeof text, "at most %.3f mm apart", std::ceil(upper * 1e6) / 1e3);
     const std::string found =
         look.nearer > 0 ? text + std::string(" if it moves as its bounds allow") : text;
-    std::snprintf(text, sizeof text, ", more than %.6g mm apart is required", margin * 1e3);
+    std::snprintf(text, sizeof text, "; they must be more than %.6g mm apart", margin * 1e3);
     return found + text;
   }
 

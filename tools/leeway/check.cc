@@ -133,8 +133,7 @@ bool isInCollision(planner::EdgeCertifier& certifier, CheckedState& checked) {
   checked.check.verdict = planner::Verdict::kNotFree;
   checked.check.clearance = {-kInfinity, kInfinity};  // not measured
   checked.world.clearance = checked.self.clearance = checked.check.clearance;
-  const int pair = certifier.certify(point, point).pair;
-  checked.too_near = pair < 0 ? checked.overlapping : pairNames(certifier.scene(), pair);
+  checked.too_near = checked.overlapping;
   checked.all_too_near = pairsTooNear(certifier.scene(), point, checked.too_near);
   return true;
 }

@@ -6,13 +6,16 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/settings.h"
 #include "leeway/planner/trajectory.h"
 #include "tools/leeway/support/pair_samples.h"
 #include "tools/view/base/scene_names.h"
@@ -218,25 +221,24 @@ Json movingJson(const planner::Problem& problem) {
 }
 
 Json executionJson(const planner::Problem& problem) {
-  const planner::Execution& execution = problem.execution;
+  constexpr std::string_view kSection = "execution.";
+  Json result;
+  for (const planner::Setting& setting : planner::settings()) {
+    if (!setting.key.starts_with(kSection)) continue;
+    Json& value = result[std::string(setting.key.substr(kSection.size()))];
+    if (const auto* number = std::get_if<planner::SettingPlace<double>>(&setting.value))
+      value = jsonNumber(*planner::settingValue(problem, *number));
+    if (const auto* choice = std::get_if<planner::WordSetting>(&setting.value))
+      for (const planner::WordSetting::Word& word : choice->words)
+        if (word.value == choice->get(problem)) value = word.text;
+  }
   const planner::MotionLimits limits = planner::motionLimits(problem);
   Json jerks = Json::array();  // null: no limit
   for (const double jerk : limits.jerk) jerks.push_back(jsonNumber(jerk));
-  return {
-      {"start", execution.start},
-      {"step", execution.step},
-      {"duration", execution.duration},
-      {"speed", execution.speed},
-      {"velocities", limits.velocity},
-      {"accelerations", limits.acceleration},
-      {"jerks", jerks},
-      {"acceleration_scale", execution.acceleration_scale},
-      {"jerk_scale", execution.jerk_scale},
-      {"corners", execution.corners == planner::Corners::kStop ? "stop" : "blend"},
-      {"foresight", execution.foresight == planner::Foresight::kMotion ? "motion" : "speed_bound"},
-      {"look_ahead", execution.look_ahead},
-      {"buffer", execution.buffer},
-      {"patience", execution.patience}};
+  result["velocities"] = limits.velocity;
+  result["accelerations"] = limits.acceleration;
+  result["jerks"] = jerks;
+  return result;
 }
 
 /// Pairs of bodies by name that touched in no sample, and in every sample.
