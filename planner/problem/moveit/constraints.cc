@@ -130,17 +130,17 @@ PoseRegion readOrientationConstraint(const YamlReader& constraint, HeaderFrames&
 
 namespace {
 
-/// Returns the constraint if it is valid; else fails at its place.
-Constraint checked(Constraint constraint, const YamlReader& place, const Problem& problem) {
+/// Adds the constraint if it is valid; else fails at its place.
+void add(Constraint constraint, const YamlReader& place, Problem& problem) {
   constraint.name = fmt::format("path constraint {}", problem.constraints.size() + 1);
   if (const auto fault = constraintFault(problem, constraint, place.where()))
     place.fail(fault->message);
-  return constraint;
+  problem.constraints.push_back(std::move(constraint));
 }
 
 }  // namespace
 
-Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, Problem& problem) {
+void readPathPosition(const YamlReader& constraint, HeaderFrames& frames, Problem& problem) {
   const PoseRegion region = readPositionConstraint(constraint, frames, problem);
   Constraint path;
   path.frame = problem.robot.model->links[at(region.link)].name;
@@ -157,7 +157,7 @@ Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, 
   for (std::size_t i = 0; i < 3; ++i)
     path.position[i] = {region.position[i].first + path.position_tolerance,
                         region.position[i].second - path.position_tolerance};
-  return checked(std::move(path), constraint, problem);
+  add(std::move(path), constraint, problem);
 }
 
 /// All angles are at most a right angle. D = Rx(a) Ry(b) Rz(c) turns a frame. If D turns by at most
@@ -166,12 +166,11 @@ Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, 
 /// most t. If it may have any a and tilts x by at most t, then |b| and |c| are. The rotation vector
 /// of a turn by w about u has w sqrt(1 - u_z^2) across z, and a tilt t of z has sin(t / 2) =
 /// sqrt(1 - u_z^2) sin(w / 2): across z it has at most pi sin(t / 2), as w is at most pi.
-std::optional<Constraint> readPathOrientation(const YamlReader& constraint, HeaderFrames& frames,
-                                              Problem& problem) {
+void readPathOrientation(const YamlReader& constraint, HeaderFrames& frames, Problem& problem) {
   Constraint path;
   path.frame = problem.robot.model->links[at(constrainedLink(constraint, problem))].name;
   path.X_SR = frames.ofConstraint(constraint);
-  const Eigen::Matrix3d wanted = rotationFromQuaternion(readMoveitQuaternion(
+  path.rotation = rotationFromQuaternion(readMoveitQuaternion(
       constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
   const auto form = constraint.find("parameterization");
   const bool is_vector = hasContent(form) && form->text() != "0";
@@ -179,43 +178,56 @@ std::optional<Constraint> readPathOrientation(const YamlReader& constraint, Head
     problem.warnings.push_back(fmt::format("{}:{}: {} {}", constraint.file(), constraint.line(),
                                            constraint.where(), what));
   };
-  bool any[3];
   double tolerances[3];
-  double least = kInfinity;
   const char* keys[] = {"absolute_x_axis_tolerance", "absolute_y_axis_tolerance",
                         "absolute_z_axis_tolerance"};
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i)
     tolerances[i] = constraint.at(keys[i], "an angle [rad]").sizeNumber();
-    any[i] = tolerances[i] >= kAnyTurn;
-    if (!any[i]) least = std::min(least, tolerances[i]);
-  }
-  // b is at most a right angle.
-  if (any[0] && any[2] && tolerances[1] >= (is_vector ? kAnyTurn : kRightAngle))
-    return warn("allows any rotation; it is left out"), std::nullopt;
-  const auto free = std::count(any, any + 3, true);
-  if (free > 1 || (any[1] && !is_vector))
+  // Of the three angles b is at most a right angle; its axis is not the one that tilts.
+  std::size_t widest = tolerances[0] > tolerances[2] ? 0 : 2;
+  if (is_vector && tolerances[1] > tolerances[widest]) widest = 1;
+  double tilt = kInfinity;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (i != widest) tilt = std::min(tilt, tolerances[i]);
+  const bool is_free = tolerances[widest] >= kAnyTurn;
+  if (tolerances[0] >= kAnyTurn && tolerances[1] >= (is_vector ? kAnyTurn : kRightAngle) &&
+      tolerances[2] >= kAnyTurn)
+    return warn("allows any rotation; it is left out");
+  const auto free =
+      std::count_if(tolerances, tolerances + 3, [](double t) { return t >= kAnyTurn; });
+  if (free > 1 || (free == 1 && !is_free))
     constraint.fail(fmt::format(
         "{} leaves turns free that are not about {} alone; one of these, or tolerances below {} "
         "about all axes are expected",
         constraint.where(), is_vector ? "one axis" : "the x or z axis", kAnyTurn));
-  path.angle = std::min(least, kMostEulerTurn);
-  if (least > path.angle)
-    warn(
-        fmt::format("allows turns of {} rad; the path keeps {} rad, as the three angles bound no "
-                    "turn beyond a right angle",
-                    least, path.angle));
-  if (is_vector && free == 1) {
-    path.angle = 2 * std::asin(path.angle / std::numbers::pi);
-    warn(fmt::format(
-        "allows {:.4g} rad of the rotation vector about two axes; the path tilts the third by at "
-        "most {:.4g} rad, which keeps that however far it turns",
-        least, path.angle));
+  const auto narrowed = [&](double angle) {
+    if (angle > kMostEulerTurn)
+      warn(fmt::format(
+          "allows turns of {} rad; the path keeps {} rad, as the three angles bound no turn beyond "
+          "a right angle",
+          angle, kMostEulerTurn));
+    return std::min(angle, kMostEulerTurn);
+  };
+  // Where one tolerance is larger than the others, these bound a tilt, and it the whole turn.
+  const bool tilts = is_free || (std::min(tolerances[widest], kMostEulerTurn) > tilt && !is_vector);
+  if (tilts) {
+    path.turn = Constraint::Turn::kAxis;
+    path.axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(widest));
+    path.direction = path.rotation * path.axis;
+    path.angle = narrowed(tilt);
+    if (is_vector) {
+      path.angle = 2 * std::asin(path.angle / std::numbers::pi);
+      warn(fmt::format(
+          "allows {:.4g} rad of the rotation vector about two axes; the path tilts the third by at "
+          "most {:.4g} rad, which keeps that however far it turns",
+          tilt, path.angle));
+    }
+    add(path, constraint, problem);
+    if (is_free) return;
   }
-  path.turn = free == 1 ? Constraint::Turn::kAxis : Constraint::Turn::kFixed;
-  path.rotation = wanted;
-  path.axis = Eigen::Vector3d::Unit(any[0] ? 0 : any[1] ? 1 : 2);
-  path.direction = wanted * path.axis;
-  return checked(std::move(path), constraint, problem);
+  path.turn = Constraint::Turn::kFixed;
+  path.angle = narrowed(tilts ? tolerances[widest] : std::min(tilt, tolerances[widest]));
+  add(std::move(path), constraint, problem);
 }
 
 }  // namespace leeway::planner

@@ -89,11 +89,10 @@ robots::PoseRegion readPositionConstraint(const YamlReader& constraint, HeaderFr
 robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, HeaderFrames& frames,
                                              Problem& problem);
 
-/// The same as constraints of a path. Neither allows more than MoveIt does. An orientation that may
-/// be any is left out, with a warning.
-Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, Problem& problem);
-std::optional<Constraint> readPathOrientation(const YamlReader& constraint, HeaderFrames& frames,
-                                              Problem& problem);
+/// Add the same to the constraints of the problem's paths. Neither allows more than MoveIt does. An
+/// orientation that may be any is left out, with a warning.
+void readPathPosition(const YamlReader& constraint, HeaderFrames& frames, Problem& problem);
+void readPathOrientation(const YamlReader& constraint, HeaderFrames& frames, Problem& problem);
 
 /// Read group, start and goals of a moveit_msgs/MotionPlanRequest. The start also takes what only
 /// the scene's robot_state says; `scene` may be null. Goals may be relative to all else.

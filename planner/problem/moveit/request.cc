@@ -464,12 +464,11 @@ void readPathConstraints(const YamlReader& request, HeaderFrames& frames, Proble
   }
   if (const auto positions = constraints->find("position_constraints"); hasContent(positions))
     for (const YamlReader& constraint : positions->items())
-      problem.constraints.push_back(readPathPosition(constraint, frames, problem));
+      readPathPosition(constraint, frames, problem);
   if (const auto orientations = constraints->find("orientation_constraints");
       hasContent(orientations))
     for (const YamlReader& constraint : orientations->items())
-      if (auto path = readPathOrientation(constraint, frames, problem))
-        problem.constraints.push_back(std::move(*path));
+      readPathOrientation(constraint, frames, problem);
 }
 
 }  // namespace

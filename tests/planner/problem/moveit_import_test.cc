@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <set>
 
 #include "leeway/collision/triangle_mesh.h"
@@ -1055,9 +1057,13 @@ TEST_F(MoveitImport, WideOrientationConstraintsOfThePathAreNarrowed) {
   };
   const Problem narrow = load(kScene, with(keys(0.2, 0.3, 0.4)));
   const std::size_t warnings = narrow.warnings.size();
-  ASSERT_EQ(narrow.constraints.size(), 1U);
+  // Regression: the least of the three tolerances held for all.
+  ASSERT_EQ(narrow.constraints.size(), 2U);
   EXPECT_EQ(narrow.constraints[0].angle, 0.2);
-  EXPECT_EQ(narrow.constraints[0].turn, Constraint::Turn::kFixed);
+  EXPECT_EQ(narrow.constraints[0].turn, Constraint::Turn::kAxis);
+  EXPECT_EQ(narrow.constraints[0].axis, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(narrow.constraints[1].angle, 0.4);
+  EXPECT_EQ(narrow.constraints[1].turn, Constraint::Turn::kFixed);
   Problem wide = load(kScene, with(keys(2, 2.5, 3.14)));
   ASSERT_EQ(wide.constraints.size(), 1U);
   EXPECT_EQ(wide.constraints[0].angle, 1.57);
@@ -1070,7 +1076,12 @@ TEST_F(MoveitImport, WideOrientationConstraintsOfThePathAreNarrowed) {
   // One narrow angle bounds it.
   wide = load(kScene, with(keys(2, 0.1, 2)));
   EXPECT_EQ(wide.constraints[0].angle, 0.1);
-  EXPECT_EQ(wide.warnings.size(), warnings);
+  EXPECT_EQ(wide.constraints.at(1).angle, 1.57);
+  EXPECT_EQ(wide.warnings.size(), warnings + 1);
+  const Problem even = load(kScene, with(keys(0.1, 0.3, 0.1)));
+  ASSERT_EQ(even.constraints.size(), 1U);
+  EXPECT_EQ(even.constraints[0].angle, 0.1);
+  EXPECT_EQ(even.constraints[0].turn, Constraint::Turn::kFixed);
   for (const double y : {1.571, 2.0, 6.3}) {
     const Problem any = load(kScene, with(keys(6.3, y, 3.15)));
     EXPECT_TRUE(any.constraints.empty()) << y;
@@ -1082,6 +1093,49 @@ TEST_F(MoveitImport, WideOrientationConstraintsOfThePathAreNarrowed) {
   EXPECT_NE(
       messageOf(kScene, with(keys(6.3, 2, 6.3), "parameterization: 1, ")).find("leaves turns"),
       std::string::npos);
+}
+
+/// What the constraints allow, MoveIt's three angles do.
+TEST_F(MoveitImport, OrientationConstraintsAllowNoMoreThanThreeAngles) {
+  Random random(2);
+  int allowed = 0;
+  for (int k = 0; k < 400; ++k) {
+    const auto drawn = [&] { return random.uniform(0, 1) < 0.2 ? 3.2 : random.uniform(0.01, 3.1); };
+    const double tolerances[] = {drawn(), random.uniform(0.01, 3.1), drawn()};
+    if (tolerances[0] > std::numbers::pi && tolerances[2] > std::numbers::pi) continue;
+    const Problem problem = load(
+        kScene, std::string(kRequest) +
+                    fmt::format("path_constraints: {{orientation_constraints: [{{link_name: left, "
+                                "orientation: [0, 0, 0, 1], absolute_x_axis_tolerance: {}, "
+                                "absolute_y_axis_tolerance: {}, absolute_z_axis_tolerance: {}, "
+                                "weight: 1}}]}}\n",
+                                tolerances[0], tolerances[1], tolerances[2]));
+    for (int j = 0; j < 200; ++j) {
+      const Eigen::Matrix3d turn =
+          (Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi),
+                             Eigen::Vector3d::UnitX()) *
+           Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi) / 2,
+                             Eigen::Vector3d::UnitY()) *
+           Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi),
+                             Eigen::Vector3d::UnitZ()))
+              .toRotationMatrix();
+      const bool keeps = std::all_of(
+          problem.constraints.begin(), problem.constraints.end(), [&](const Constraint& c) {
+            const double off = c.turn == Constraint::Turn::kFixed
+                                   ? Eigen::AngleAxisd(turn).angle()
+                                   : std::acos(std::clamp(c.axis.dot(turn * c.axis), -1.0, 1.0));
+            return off <= c.angle;
+          });
+      if (!keeps) continue;
+      ++allowed;
+      // x, y and z angles, as MoveIt takes them apart.
+      const double angles[] = {std::atan2(-turn(1, 2), turn(2, 2)), std::asin(turn(0, 2)),
+                               std::atan2(-turn(0, 1), turn(0, 0))};
+      for (int i = 0; i < 3; ++i)
+        EXPECT_LE(std::abs(angles[i]), tolerances[i] + 1e-9) << k << " " << i;
+    }
+  }
+  EXPECT_GT(allowed, 1000);
 }
 
 /// Regression: a turn that is free about one axis was refused in the form of rotation vectors.
