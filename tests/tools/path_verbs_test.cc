@@ -89,6 +89,11 @@ TEST_F(Check, PathsAreProvenForTheTermsTheyWerePlannedFor) {
   EXPECT_EQ(run("verify reach.yaml path.json --upright lower z 0.1").status, 0);
   EXPECT_EQ(run("verify reach.yaml path.json --upright lower x 0.1").status, 1);
   EXPECT_EQ(run("clearance reach.yaml path.json --upright lower z 0.1").status, 0);
+  EXPECT_EQ(run("check reach.yaml --upright lower z 0.1").status, 0);
+  const Answer tilted = run("check reach.yaml --upright lower x 0.1");
+  EXPECT_EQ(tilted.status, 1);
+  EXPECT_NE(tilted.out.find("constraint '--upright'"), std::string::npos) << tilted.out;
+  expectRefused("replan reach.yaml --upright lower z 0.1", {"--upright"});
   write("slow.yaml", std::string(kReach) + "execution: {speed: 0.5}\n");
   ASSERT_EQ(run("plan slow.yaml --speed 0.9 --trajectory fast.json").status, 0);
   EXPECT_EQ(run("verify slow.yaml fast.json").status, 1);

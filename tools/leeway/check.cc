@@ -351,6 +351,7 @@ Verb addCheck(CLI::App& command) {
   addProblemArguments(*app, arguments->source);
   arguments->source.needs_goal = false;
   addRunLimits(*app, arguments->limits);
+  addUpright(*app, arguments->limits);
   app->add_option("--state", arguments->states,
                   "start, goal, a group state, all planned values (1,0,2) or some "
                   "(elbow=1,wrist=2); may be repeated; "

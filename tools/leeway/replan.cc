@@ -296,6 +296,7 @@ Verb addReplan(CLI::App& command) {
       command.add_subcommand("replan", "execute a problem step by step while its obstacles move");
   addProblemArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
+  app->remove_option(app->get_option("--upright"));  // executions keep no constraint
   app->add_option("--steps", arguments->steps, "most steps; 0: until the execution ends")
       ->type_name("N")
       ->check(countFrom(0, 1'000'000'000));

@@ -128,6 +128,8 @@ void addSetting(CLI::App& app, const planner::Setting& setting, PlanOverrides& o
   added->check(validatorOf(setting));
 }
 
+}  // namespace
+
 void addUpright(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--upright", overrides.upright,
                  "constraint: on the whole path, AXIS (x, y, z, or the opposite nx, ny, nz) of a "
@@ -135,8 +137,6 @@ void addUpright(CLI::App& app, PlanOverrides& overrides) {
       ->type_name("FRAME AXIS RADIANS")
       ->expected(3);
 }
-
-}  // namespace
 
 void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
   addSetting(app, *planner::findSetting("seed"), overrides);

@@ -43,6 +43,8 @@ CLI::Validator countFrom(std::int64_t lower,
                          std::int64_t upper = std::numeric_limits<std::int64_t>::max());
 /// Adds --seed and --time, for verbs that check given states or paths.
 void addRunLimits(CLI::App& app, PlanOverrides& overrides);
+/// Adds --upright, for verbs that know constraints.
+void addUpright(CLI::App& app, PlanOverrides& overrides);
 /// Adds what a path is proven for, for verbs that prove paths again: --keep, the scales of limits,
 /// --upright.
 void addTerms(CLI::App& app, PlanOverrides& overrides);
