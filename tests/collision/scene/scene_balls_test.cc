@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -15,6 +16,7 @@
 #include "collision/scene/scene_access.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/allocations.h"
+#include "tests/support/from_environment.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/scene_twins.h"
 
@@ -70,10 +72,13 @@ double least(const Balls& balls, const Pose& X_WC, const Pose& X_WB) {
   return least;
 }
 
+/// LEEWAY_TEST_QUERIES sets the number of queries, and LEEWAY_TEST_SEED selects other ones.
 TEST(SceneBalls, NoAnswerIsOutsideOfTheDistanceOfAllBalls) {
-  Draw draw(1);
+  Draw draw(static_cast<unsigned>(fromEnvironment("LEEWAY_TEST_SEED", 1)));
+  const auto queries = static_cast<int>(
+      fromEnvironment("LEEWAY_TEST_QUERIES", static_cast<std::uint64_t>(casesToAsk(100'000))));
   const double tolerance = 1e-6, rounding = 1e-12;
-  int free = 0, not_free = 0;
+  int asked = 0, free = 0, not_free = 0, wrong = 0;
   for (const int count : {1, 40, 300, 1500}) {
     const Balls balls = randomBalls(draw, count);
     const Pose X_WC = draw.pose(0.3);
@@ -84,31 +89,32 @@ TEST(SceneBalls, NoAnswerIsOutsideOfTheDistanceOfAllBalls) {
     const Scene scene = builder.build();
     ASSERT_EQ(scene.pairs().size(), 2 * balls.size());
     Workspace workspace(scene);
-    const int queries = casesToAsk(25'000);
-    for (int i = 0; i < queries; ++i) {
+    for (int i = 0; i < queries / 4; ++i) {
+      const auto expect = [&](bool holds) {
+        if (holds) return;
+        ++wrong;
+        ADD_FAILURE() << count << " balls, query " << i;
+      };
       const Pose X_WB = draw.pose(0.7);
       workspace.setPose(0, X_WB);
       const double truth = least(balls, X_WC, X_WB);
       if (i % 10 == 0) {
         const Interval clearance = collision::clearance(scene, workspace, tolerance).clearance;
-        ASSERT_LE(clearance.lower, truth + rounding) << count << " " << i;
-        ASSERT_GE(clearance.upper, truth - rounding) << count << " " << i;
-        ASSERT_LE(clearance.width(), 2 * tolerance) << count << " " << i;
+        expect(clearance.lower <= truth + rounding && clearance.upper >= truth - rounding);
+        expect(clearance.width() <= 2 * tolerance);
       }
       const Verdict verdict = decide(scene, workspace).verdict;
-      if (verdict == Verdict::kFree) {
-        ASSERT_GT(truth, 0.01 - rounding) << count << " " << i;
-        ++free;
-      } else if (verdict == Verdict::kNotFree) {
-        ASSERT_LE(truth, 0.01 + rounding) << count << " " << i;
-        ++not_free;
-      } else {
-        ASSERT_LE(std::abs(truth - 0.01), 1e-9) << count << " " << i;
-      }
+      free += verdict == Verdict::kFree;
+      not_free += verdict == Verdict::kNotFree;
+      ++asked;
+      expect(verdict == Verdict::kFree      ? truth > 0.01 - rounding
+             : verdict == Verdict::kNotFree ? truth <= 0.01 + rounding
+                                            : std::abs(truth - 0.01) <= 1e-9);
     }
   }
-  EXPECT_GT(free, 1000);
-  EXPECT_GT(not_free, 500);
+  std::printf("%d queries of clouds: %d free, %d not, %d wrong\n", asked, free, not_free, wrong);
+  EXPECT_GT(free, asked / 100);
+  EXPECT_GT(not_free, asked / 200);
 }
 
 /// Both forms of a world: bodies of balls among others, the balls in front of the moving body
