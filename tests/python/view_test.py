@@ -1,6 +1,9 @@
 """Pages and pictures from Python: what `leeway view` writes."""
+import base64
 import os
+import re
 import subprocess
+import zlib
 
 import numpy as np
 import pytest
@@ -61,6 +64,18 @@ def test_visual_shapes_in_a_page(page, short, tmp_path):
     with pytest.raises(ValueError, match="in a page"):
         short.view(tmp_path / "dressed.svg", visual=True)
     assert not (tmp_path / "dressed.svg").exists()
+
+
+def test_large_clouds_are_drawn_with_fewer_balls(page, shelf, tmp_path):
+    """Regression: a cloud of a million balls made a page of 12 MB."""
+    problem = leeway.Problem(shelf.robot, start=shelf.start, goal=shelf.start)
+    x, z = np.meshgrid(np.arange(225) / 100, np.arange(225) / 100)
+    problem.world.add_cloud("scan", np.column_stack([x.ravel(), np.full(x.size, 5), z.ravel()]), 0.01)
+    leeway.plan(problem).view(page)
+    data = re.search('octet-stream">([^<]*)', page.read_text())[1]
+    note = re.search(rb"'scan' is drawn as (\d+) larger balls, which contain its 50625", zlib.decompress(base64.b64decode(data)))
+    assert note and int(note[1]) <= 50000
+    assert page.stat().st_size < 1.5e6
 
 
 def test_two_paths_in_a_page(page, shelf, short, tmp_path):

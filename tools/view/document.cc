@@ -13,6 +13,7 @@
 #include "collision/base/numbers.h"
 #include "collision/mesh/mesh_tree.h"
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/point_cloud.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/validate/checks.h"
@@ -31,6 +32,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kTriangles = 200'000;       // of all meshes of a page
 constexpr std::size_t kVisualTriangles = 60'000;  // of all visual meshes
+constexpr std::size_t kDrawnBalls = 50'000;       // of a cloud
 constexpr std::size_t kShownPairs = 400;          // unchecked pairs that are listed by name
 constexpr std::size_t kShownEdges = 10'000;       // of a search
 constexpr std::string_view kEndings[] = {".html"};
@@ -260,11 +262,33 @@ class Document {
     return best;
   }
 
+  /// Adds fewer balls that cover those of a body, and a note; false if it has something else.
+  bool addThinned(int body, PartColumns& parts, Json& document) {
+    const collision::Body& of = scene_.bodies()[at(body)];
+    planner::PointCloud cloud;
+    cloud.balls.reserve(of.size());
+    for (std::size_t number = 0; number < of.size(); ++number) {
+      const collision::Geometry g = of.geometry(number);
+      if (g.shape.type() != ShapeType::kSphere) return false;
+      cloud.balls.push_back({g.X_BG.translation, g.shape.radius()});
+    }
+    const planner::PointCloud drawn = planner::thinnedTo(cloud, kDrawnBalls);
+    for (const planner::PointCloud::Ball& ball : drawn.balls) {
+      const Pose X{Eigen::Matrix3d::Identity(), ball.center};
+      parts.add(body, collision::Shape::sphere(ball.radius), 0, moves(body) ? X : of.X_WB * X);
+    }
+    document["notes"].push_back(
+        fmt::format("'{}' is drawn as {} larger balls, which contain its {}.", of.name,
+                    drawn.balls.size(), of.size()));
+    return true;
+  }
+
   void addParts(Json& document) {
     PartColumns parts;
     Json names = Json::array(), pieces = Json::array();
     for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
       const collision::Body& of = scene_.bodies()[b];
+      if (of.size() > kDrawnBalls && addThinned(static_cast<int>(b), parts, document)) continue;
       for (std::size_t number = 0; number < of.size(); ++number) {
         const collision::Geometry g = of.geometry(number);
         const bool has_mesh = g.shape.type() >= ShapeType::kConvexHull && !hasFrames(of);
