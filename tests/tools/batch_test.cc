@@ -476,5 +476,31 @@ TEST_F(Batch, InterruptLeavesWhatIsDone) {
   EXPECT_NE(answer.err.find("--resume"), std::string::npos) << answer.err;
 }
 
+/// Regression: all problems of a mixed batch had the status error.
+TEST_F(Batch, ImproveIsLeftOutWhereItHasNoEffect) {
+  std::string text = kReach;
+  for (const char* file : {"arm.urdf", "arm.srdf"}) text.replace(text.find(file), 0, "../");
+  write("mixed/length.yaml", text);
+  write("mixed/clear.yaml", text + "objective: clearance\n");
+  write("mixed/hinge.yaml", text + "objective: {integral: {hinge: 0.1}}\n");
+  write("mixed/wish.yaml", text + "margins: [{between: [robot, post], margin: 0, wish: 0.05}]\n");
+  write("mixed/star.yaml", text + "planner: {name: RRTstar}\n");
+  const Answer answer = run("batch mixed --improve 0.01 --time 0.3");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const std::vector<json> lines = answer.lines();
+  ASSERT_EQ(lines.size(), 5U);
+  for (const json& line : lines) {
+    EXPECT_EQ(line["status"], "solved") << line["problem"];
+    EXPECT_EQ(line["warnings"].dump().find("--improve 0.01 is left out") == std::string::npos,
+              line["problem"] == "mixed/length.yaml")
+        << line["problem"];
+  }
+  const std::regex told("warning: --improve 0.01 is left out: only paths of the objective length");
+  EXPECT_EQ(std::distance(std::sregex_iterator(answer.err.begin(), answer.err.end(), told),
+                          std::sregex_iterator()),
+            1)
+      << answer.err;
+}
+
 }  // namespace
 }  // namespace leeway::tools::testing

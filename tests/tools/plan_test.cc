@@ -2,6 +2,7 @@
 #include <regex>
 
 #include "leeway/planner/settings.h"
+#include "tests/support/build_paths.h"
 #include "tests/support/command.h"
 
 namespace leeway::tools::testing {
@@ -538,12 +539,33 @@ TEST_F(Plan, AFolderThatMayNotBeWrittenIsToldAtOnce) {
   expectRefused("plan reach.yaml --output kept/a.json", {"kept/a.json", "Permission denied"});
 }
 
-// It was ignored.
-TEST_F(Plan, ImproveIsOfConnectAndLength) {
-  expectRefused("plan reach.yaml --improve 1 --planner RRTstar", {"--improve 1", "RRTstar"});
-  expectRefused("plan reach.yaml --improve 1 --objective clearance", {"--improve 1", "length"});
-  expectRefused("plan reach.yaml --improve 1 --at-most-longer 1.1", {"--improve 1", "length"});
-  expectRefused("plan reach.yaml --improve 1 --hinge 0.1", {"--improve 1", "length"});
+/// It is told once, by name, where it has no effect.
+TEST_F(Plan, ImproveIsLeftOutWhereItHasNoEffect) {
+  const std::pair<const char*, const char*> kinds[] = {
+      {"--planner RRTstar", "RRTstar has no such time"},
+      {"--objective clearance", "the objective length"},
+      {"--at-most-longer 1.1", "the objective length"},
+      {"--hinge 0.1", "the objective length"},
+      {"--upright upper z 3", "it keeps no constraints"}};
+  for (const auto& [options, why] : kinds) {
+    const Answer answer =
+        run("plan reach.yaml --improve 1 --time 0.1 --json " + std::string(options));
+    EXPECT_LE(answer.status, 1) << answer.err;
+    const std::string told = "--improve 1 is left out: ";
+    const std::size_t at = answer.err.find("warning: " + told);
+    EXPECT_NE(at, std::string::npos) << answer.err;
+    EXPECT_NE(answer.err.find(why), std::string::npos) << answer.err;
+    EXPECT_EQ(answer.err.find(told, at + told.size() + 9), std::string::npos) << answer.err;
+    EXPECT_NE(answer.document()["warnings"].dump().find(told), std::string::npos);
+  }
+  EXPECT_EQ(run("plan reach.yaml --improve 0.01").err, "");
+}
+
+/// The moves of a task become shorter.
+TEST_F(Plan, ImproveIsOfTasksToo) {
+  const std::string carton =
+      "plan " + leeway::sourceFolder() + "/problems/pick_place/carton.yaml --json --improve ";
+  EXPECT_LT(run(carton + "2").document()["length"], run(carton + "0").document()["length"]);
 }
 
 // A file's, too.

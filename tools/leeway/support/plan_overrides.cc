@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "leeway/planner/planners.h"
 #include "leeway/planner/settings.h"
 #include "leeway/robots/text.h"
 #include "planner/space/ompl_planners.h"
@@ -231,21 +232,24 @@ void applyUpright(const PlanOverrides& overrides, planner::Problem& problem) {
   if (const auto fault = planner::constraintsFault(problem)) refuse(*fault);
 }
 
-/// Refuses --improve with another search or objective than its own, because it would be ignored.
-void expectImproves(const std::string& improve, const planner::Problem& problem) {
-  if (planner::parameterNumber(improve) == 0.0) return;
-  const auto refuse = [&](const std::string& why) {
-    badUsage(fmt::format("--improve {}: {}", improve, why));
-  };
-  if (problem.planner.name != "Connect")
-    refuse(
-        fmt::format("{} has no such time; Connect has, and planners that optimise go on for all "
-                    "of --time",
-                    problem.planner.name));
-  if (planner::improveFault(problem))
-    refuse(
+/// Leaves --improve out where it has no effect, with a warning, because a batch may mix problems.
+void leaveOutImprove(const PlanOverrides& overrides, planner::Problem& problem) {
+  const auto improve = overrides.given.find("improve");
+  if (improve == overrides.given.end() || planner::parameterNumber(improve->second) == 0.0) return;
+  std::string why;
+  if (planner::findPlanner(problem.planner.name) != planner::findPlanner("Connect"))
+    why = fmt::format(
+        "{} has no such time; Connect has, and planners that optimise go on for all of --time",
+        problem.planner.name);
+  else if (planner::improveFault(problem))
+    why =
         "only paths of the objective length, without wishes, become shorter; others take all of "
-        "--time");
+        "--time";
+  else if (planner::isConstrained(problem) || !overrides.upright.empty())
+    why = "it keeps no constraints";
+  if (why.empty()) return;
+  problem.planner.parameters.erase("improve");
+  problem.warnings.push_back(fmt::format("--improve {} is left out: {}", improve->second, why));
 }
 
 /// The value of a text that the option's validator has accepted.
@@ -343,9 +347,8 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     std::visit(Apply{setting, given->second, problem}, setting.value);
   }
   applyCost(overrides, problem);
+  leaveOutImprove(overrides, problem);
   applyUpright(overrides, problem);
-  if (const auto improve = overrides.given.find("improve"); improve != overrides.given.end())
-    expectImproves(improve->second, problem);
 }
 
 planner::Problem loadProblem(const ProblemSource& source, const PlanOverrides& overrides) {

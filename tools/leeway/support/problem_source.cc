@@ -444,6 +444,7 @@ void refuseSteps(const planner::Problem& problem, const char* verb) {
     badUsage(fmt::format(
         "{} looks at one world, and {} has steps; plan, verify, clearance and view take them", verb,
         problem.name));
+  printWarnings(problem.warnings);
 }
 
 planner::Problem loadProblemOrRobot(const ProblemSource& source, const Change& change) {
