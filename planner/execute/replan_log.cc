@@ -8,6 +8,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/replanner.h"
 #include "planner/execute/log_line.h"
+#include "planner/execute/unchecked_json.h"
 
 namespace leeway::planner {
 namespace {
@@ -127,6 +128,7 @@ std::string logLine(const Problem& problem, const ReplanResult& result, double l
                      {"problem", problem.name},
                      {"seed", result.seed},
                      {"certified", result.certified},
+                     {"not_checked", uncheckedJson(result.unchecked)},
                      {"clearance_lower", result.clearance.lower},
                      {"clearance_upper", result.clearance.upper},
                      {"duration", result.duration},

@@ -43,11 +43,13 @@ void add(const ReplanStep& step, double seconds, ReplanResult& result) {
 }
 
 /// The sums of an execution before its first step.
-ReplanResult sumsOf(const Problem& problem, bool proves) {
+ReplanResult sumsOf(const Problem& problem, const CompiledScene& scene) {
   ReplanResult result;
+  const bool proves = scene.nothingChecked().empty();
   result.seed = problem.seed;
   result.clearance = {kInfinity, kInfinity};
   result.certified = proves;
+  result.unchecked = countUnchecked(scene.dropped());
   if (!proves) result.status = ReplanStatus::kNothingChecked;
   for (const int v : problem.robot.variables)
     result.names.push_back(problem.robot.model->variables[at(v)].name);
@@ -122,7 +124,7 @@ struct Replanner::Impl {
         now(problem.execution.start),
         state(startPoint(problem)),
         trail{state},
-        sums(sumsOf(problem, proves)) {}
+        sums(sumsOf(problem, *scene)) {}
 
   /// A possible motion, and how far it is proven.
   struct Candidate {

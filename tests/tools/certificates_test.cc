@@ -165,6 +165,8 @@ TEST_F(Certificates, PairsThatAreNotCheckedAreCountedWithReasons) {
   EXPECT_EQ(run("clearance mast.yaml p.json --json").document()["not_checked"], expected);
   EXPECT_EQ(run("check mast.yaml --json").document()["not_checked"], expected);
   EXPECT_EQ(run("batch mast.yaml").lines().at(0)["certificate"]["not_checked"], expected);
+  EXPECT_EQ(run("replan mast.yaml --json").lines().back()["not_checked"], expected);
+  EXPECT_TRUE(has(run("replan mast.yaml --text").flat(), " 5 pairs are not checked: 2 rigidly "));
   // The verifier finds them for itself, and takes no proof for granted.
   const json verified = run("verify mast.yaml p.json --json").document()["not_checked"];
   EXPECT_EQ(verified["pairs"], 5);

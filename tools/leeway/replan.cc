@@ -75,6 +75,8 @@ and at the end, with version:
                           of shapes is: no step is taken)
   problem, seed           what was executed
   certified               every step was
+  not_checked             the pairs that it does not cover: pairs, their number; reasons[]: reason, pairs,
+                          and names of those that are only assumed to touch
   clearance_lower, clearance_upper
                           the least of all steps
   duration                of what was executed
@@ -168,11 +170,12 @@ std::string summaryText(const planner::ReplanResult& result) {
     return counted(static_cast<std::size_t>(count), what);
   };
   return wrapped(
-      fmt::format("{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
+      fmt::format("{}.\n{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
                   "Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n",
-                  lasted, some(result.steps, "step"), some(result.plans, "plan"), result.replans,
-                  some(result.waits, "wait"), some(result.evasions, "evasion"), result.seed,
-                  result.compute_s, result.longest_step_s * 1e3));
+                  planner::toString(result.unchecked), lasted, some(result.steps, "step"),
+                  some(result.plans, "plan"), result.replans, some(result.waits, "wait"),
+                  some(result.evasions, "evasion"), result.seed, result.compute_s,
+                  result.longest_step_s * 1e3));
 }
 
 /// Warns of pairs that are checked although they touch at zero, and of parts of the problem that an

@@ -238,6 +238,7 @@ struct ReplanResult {
   int replans = 0;                           ///< plans besides the first
   Interval clearance;                        ///< the least of all steps [m]
   bool certified = false;                    ///< every step was
+  std::vector<UncheckedPairs> unchecked;     ///< pairs that the certificate does not cover
   double compute_s = 0, longest_step_s = 0;  ///< of computing [s]
 };
 
