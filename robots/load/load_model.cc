@@ -158,7 +158,15 @@ class Meshes {
     }
     work();
     for (std::thread& thread : threads) thread.join();
-    throwIfStopped(asked, "meshes were read");
+    if (!asked || !asked()) return;
+    const auto isLeft = [](const Task& task) { return !task.result->mesh; };
+    const auto largest = std::find_if(tasks_.begin(), tasks_.end(), isLeft);
+    throw Stopped("stopped while meshes were read" +
+                  (largest == tasks_.end()
+                       ? std::string()
+                       : ", " + std::to_string(std::count_if(largest, tasks_.end(), isLeft)) +
+                             " of " + std::to_string(tasks_.size()) + " left, the largest " +
+                             std::get<0>(largest->key)));
   }
 
   void run(const Task& task, const Stop& asked) const {

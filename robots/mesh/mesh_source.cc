@@ -76,7 +76,9 @@ std::string MeshSource::warning(const MeshNote& note) const {
   return InputError(referrer_, referrer_line_, where(note.place) + note.text).what();
 }
 
-void MeshSource::pause() const { throwIfStopped(stop_, "meshes were read"); }
+void MeshSource::pause() const {
+  if (stop_ && stop_()) throw Stopped("stopped while mesh " + path_ + " was read");
+}
 
 std::string shown(std::string_view word) {
   constexpr std::size_t kMost = 40;

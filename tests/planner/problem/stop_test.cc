@@ -92,6 +92,15 @@ TEST(Stop, ReadingTheMeshesOfARobot) {
   robots::LoadOptions options;
   options.stop = [] { return true; };
   EXPECT_THROW(robots::loadModel(file, "", options), Stopped);
+  // It says how much is left, and what.
+  int asked = 0;
+  options.stop = [&] { return ++asked > 1; };
+  try {
+    robots::loadModel(file, "", options);
+  } catch (const Stopped& stopped) {
+    const std::string what = stopped.what();
+    EXPECT_TRUE(what.find("link") != std::string::npos || what.ends_with("were read")) << what;
+  }
   options.stop = []() -> bool { throw std::logic_error("the caller's"); };
   EXPECT_THROW(robots::loadModel(file, "", options), std::logic_error);
   options.stop = [] { return false; };

@@ -79,9 +79,9 @@ std::string wrongAxis(const std::vector<std::string>& words) {
 }
 
 /// Prints one line on stderr. With --json, also prints a document with the error as the answer.
-void reportError(const std::string& message, bool json) {
+void reportError(const std::string& message, bool json, const char* status = "error") {
   printMessage(message);
-  if (json) printJson({{"status", "error"}, {"error", message}});
+  if (json) printJson({{"status", status}, {"error", message}});
 }
 
 int reportUsage(const CLI::App& app, const CLI::ParseError& error,
@@ -218,9 +218,10 @@ int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
     reportError(error.what(), json);
     return kBadInput;
   } catch (const robots::Stopped& stopped) {
-    reportError(fmt::format("{}: {}; nothing was done", stopped.what(),
-                            interrupted() ? "interrupted" : "the time limit is over"),
-                json);
+    const bool is_late = !interrupted();
+    reportError(
+        fmt::format("{}{}; nothing was done", stopped.what(), is_late ? "" : ": interrupted"), json,
+        is_late ? "not_compiled" : "error");
     return kNo;
   } catch (const std::filesystem::filesystem_error& error) {
     reportError(fmt::format("{}: cannot be read: {}; a path that can be followed is expected",

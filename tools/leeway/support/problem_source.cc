@@ -430,6 +430,16 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
     problem = readProblem(source);
     if (source.kinematics_only && !problem.start_poses.empty()) {
       // Such a start needs collisions, because its joint values must be free.
+      if (source.kinematics_only && !problem.start_poses.empty()) {
+        // Such a start needs collisions, because its joint values must be free.
+        source.kinematics_only = false;
+        problem = readProblem(source);
+      }
+    } catch (const robots::Stopped& stopped) {
+      if (interrupted()) throw;
+      throw robots::Stopped(
+          fmt::format("{}: the {:g} s for reading are over; a longer --time is expected",
+                      stopped.what(), std::max(time_limit.value_or(0), planner::kLeastReading)));
       source.kinematics_only = false;
       problem = readProblem(source);
     }
