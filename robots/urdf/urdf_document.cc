@@ -57,7 +57,8 @@ class UrdfReader {
     checkStructure(document_);
     warnOfUnusedLimits();
     document_.essence = essence();
-    document_.warnings = file_.takeWarnings();
+    for (std::string& warning : file_.takeWarnings())
+      document_.warnings.push_back(std::move(warning));
     return std::move(document_);
   }
 
@@ -392,13 +393,18 @@ class UrdfReader {
   void readLimit(const XMLElement& element, UrdfJoint& joint) {
     const XMLElement* limit = file_.onlyChild(element, "limit");
     if (limit == nullptr) {
-      if (isBounded(joint))
-        file_.fail(element,
-                   "joint " + inQuotes(joint.name) + " has no <limit>; a " +
-                       element.Attribute("type") +
-                       " joint needs <limit lower=\"...\" upper=\"...\" effort=\"...\" "
-                       "velocity=\"...\"/>" +
-                       (joint.type == JointType::kRevolute ? ", or the type continuous" : ""));
+      if (joint.type == JointType::kRevolute)
+        file_.fail(element, "joint " + inQuotes(joint.name) +
+                                " has no <limit>; a revolute joint needs <limit lower=\"...\" "
+                                "upper=\"...\" effort=\"...\" velocity=\"...\"/>, or the type "
+                                "continuous");
+      if (joint.type != JointType::kPrismatic) return;
+      joint.lower = -kInfinity;
+      joint.upper = kInfinity;
+      if (element.FirstChildElement("mimic") == nullptr)
+        file_.warn(element, "joint " + inQuotes(joint.name) +
+                                " has no <limit>: it needs bounds to be planned, and may move at 1 "
+                                "m/s");
       return;
     }
     file_.expectAttributes(
@@ -557,9 +563,11 @@ class UrdfReader {
       spaceNumbers(*child);
   }
 
-  /// Fills in attributes of <limit> that urdfdom requires and this reader does not use.
+  /// Fills in a <limit> or attributes of it that urdfdom requires and this reader does not use.
   static void fillLimit(XMLElement& element, const UrdfJoint& joint) {
     XMLElement* limit = element.FirstChildElement("limit");
+    if (limit == nullptr && joint.type == JointType::kPrismatic)
+      limit = element.InsertNewChildElement("limit");
     if (limit == nullptr) return;
     limit->SetAttribute("effort", "0");
     if (std::isinf(joint.velocity)) limit->SetAttribute("velocity", "0");

@@ -119,8 +119,9 @@ UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options, bool with_visua
 collision::Shape primitiveOf(const UrdfCollision& geometry);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
-/// position. Called by readUrdf().
-void checkStructure(const UrdfDocument& document);
+/// position. A mimic of a joint that is not defined moves on its own, with a warning. Called by
+/// readUrdf().
+void checkStructure(UrdfDocument& document);
 
 /// Reads the document's essence with urdfdom, the reader that robot software shares. Throws
 /// InputError where urdfdom reads another robot.

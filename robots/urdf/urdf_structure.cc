@@ -14,7 +14,7 @@ namespace {
 
 class StructureCheck {
  public:
-  explicit StructureCheck(const UrdfDocument& document) : document_(document) {}
+  explicit StructureCheck(UrdfDocument& document) : document_(document) {}
 
   void run() {
     checkParents();
@@ -87,28 +87,36 @@ class StructureCheck {
            "the links form a cycle: " + way + " (each below the next); a tree would be accepted");
   }
 
+  /// A joint whose master is not defined moves on its own. Refuses a name that is close to that of
+  /// another joint, because that one is meant.
+  void loseMaster(UrdfJoint& joint) {
+    std::vector<std::string> names;
+    for (const UrdfJoint& known : document_.joints)
+      if (&known != &joint) names.push_back(known.name);
+    const std::string what = "joint " + inQuotes(joint.name) + " mimics " + inQuotes(joint.mimic) +
+                             ", which is not defined";
+    const std::string nearest = suggestion(joint.mimic, names);
+    if (!nearest.empty()) failAt(joint, joint.mimic_line, what + "; " + nearest);
+    document_.warnings.push_back(joint.file + ":" + std::to_string(joint.mimic_line) + ": " + what +
+                                 ": it moves on its own");
+    joint.has_mimic = false;
+  }
+
   void checkMimics() {
     const JointsByName joints = jointsByName(document_);
+    for (UrdfJoint& joint : document_.joints)
+      if (joint.has_mimic && joints.find(joint.mimic) == joints.end()) loseMaster(joint);
     for (const UrdfJoint& joint : document_.joints) {
       if (!joint.has_mimic) continue;
       const UrdfJoint* master = &joint;
       for (std::size_t steps = 0; master->has_mimic; ++steps) {
-        const auto next = joints.find(master->mimic);
-        if (next == joints.end()) {
-          std::vector<std::string> names;
-          for (const UrdfJoint& known : document_.joints) names.push_back(known.name);
-          const std::string nearest = suggestion(master->mimic, names);
-          failAt(*master, master->mimic_line,
-                 "joint " + inQuotes(master->name) + " mimics " + inQuotes(master->mimic) +
-                     ", which is not defined; " +
-                     (nearest.empty() ? "the name of another <joint> would be accepted" : nearest));
-        }
-        if (steps > document_.joints.size() || next->second == &joint)
+        const UrdfJoint* next = joints.at(master->mimic);
+        if (steps > document_.joints.size() || next == &joint)
           failAt(joint, joint.mimic_line,
                  "joint " + inQuotes(joint.name) + " mimics itself" +
                      (steps == 0 ? "" : " by way of others") +
                      "; a joint that has its own position would be accepted as master");
-        master = next->second;
+        master = next;
       }
       if (master->type != JointType::kRevolute && master->type != JointType::kContinuous &&
           master->type != JointType::kPrismatic)
@@ -120,7 +128,7 @@ class StructureCheck {
     }
   }
 
-  const UrdfDocument& document_;
+  UrdfDocument& document_;
   std::vector<int> parent_joint_;  // of each link; -1: the root
 };
 
@@ -145,6 +153,6 @@ void lockAt(UrdfJoint& joint, double position) {
   joint.has_limit = joint.has_mimic = false;
 }
 
-void checkStructure(const UrdfDocument& document) { StructureCheck(document).run(); }
+void checkStructure(UrdfDocument& document) { StructureCheck(document).run(); }
 
 }  // namespace leeway::robots

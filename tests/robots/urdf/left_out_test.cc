@@ -320,6 +320,27 @@ TEST_F(LeftOutOfUrdf, AccelerationsAndJerksAreLimits) {
                    file_, 5, {"jerk of <limit> holds \"low\""});
 }
 
+/// A prismatic joint without <limit> has no limits, as in SDF; urdfdom takes it, too.
+TEST_F(LeftOutOfUrdf, APrismaticJointWithoutLimitIsUnlimited) {
+  std::string slider = joint("\n<axis xyz=\"0 0 1\"/>");
+  slider.replace(slider.find("revolute"), 8, "prismatic");
+  const auto model = load(slider);
+  expectWarnings(*model, {":4: joint \"j\" has no <limit>: it needs bounds to be planned"});
+  EXPECT_TRUE(std::isinf(model->variables[0].lower) && std::isinf(model->variables[0].upper));
+  EXPECT_LT(model->variables[0].lower, model->variables[0].upper);
+}
+
+/// Published grippers mimic joints that are not there. Its own name is no suggestion.
+TEST_F(LeftOutOfUrdf, AMimicOfAnUnknownJointMovesOnItsOwn) {
+  const auto model =
+      load(joint("\n<mimic joint=\"k\" multiplier=\"2\"/>" + limit("effort=\"1\" velocity=\"1\"")));
+  expectWarnings(*model,
+                 {":5: joint \"j\" mimics \"k\", which is not defined: it moves on its own"});
+  ASSERT_EQ(model->variables.size(), 1U);
+  EXPECT_EQ(model->joints[1].mimic, -1);
+  EXPECT_EQ(model->variables[0].upper, 1);
+}
+
 TEST_F(LeftOutOfUrdf, TabsAndNewlinesAreWhiteSpace) {
   testing::internal::CaptureStderr();
   const auto model =

@@ -126,10 +126,6 @@ const BadUrdf kBad[] = {
      robot("<link name=\"b\"/>\n" + jointLine("j", "revolute", "a", "b")),
      4,
      {"\"j\" has no <limit>", "lower=", "continuous"}},
-    {"MissingPrismaticLimit",
-     robot("<link name=\"b\"/>\n" + jointLine("j", "prismatic", "a", "b")),
-     4,
-     {"\"j\" has no <limit>", "lower="}},
     {"LowerAboveUpper",
      robot("<link name=\"b\"/>\n" +
            jointLine("j", "revolute", "a", "b",
@@ -199,10 +195,10 @@ const BadUrdf kBad[] = {
      5,
      {"both rpy and quat_xyzw"}},
     {"UnknownMimicMaster",
-     robot("<link name=\"b\"/>\n" +
-           jointLine("elbow", "continuous", "a", "b", "\n<mimic joint=\"elbo\"/>")),
-     5,
-     {"mimics \"elbo\"", "not defined", "\"elbow\""}},
+     robot("<link name=\"b\"/><link name=\"c\"/>" + jointLine("elbow", "continuous", "a", "b") +
+           "\n" + jointLine("elbou", "continuous", "b", "c", "\n<mimic joint=\"elbo\"/>")),
+     6,
+     {"\"elbou\" mimics \"elbo\"", "not defined", "\"elbow\""}},
     {"MimicsItself",
      robot("<link name=\"b\"/>\n" +
            jointLine("j", "continuous", "a", "b", "\n<mimic joint=\"j\"/>")),
