@@ -15,6 +15,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
+#include "planner/problem/moveit/fields.h"
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
@@ -28,13 +29,14 @@ constexpr std::array<std::string_view, 4> kTop = {"joint_limits", "default_veloc
 /// Parameters of a ROS node stand below these, in this order.
 constexpr std::array<std::string_view, 3> kWrappers = {"/**", "ros__parameters",
                                                        "robot_description_planning"};
-constexpr std::array<std::string_view, 18> kEntry = {
+constexpr std::array<std::string_view, 21> kEntry = {
     "has_position_limits", "min_position",      "max_position",
     "has_velocity_limits", "max_velocity",      "min_velocity",
     "has_jerk_limits",     "max_jerk",          "has_acceleration_limits",
     "max_acceleration",    "min_acceleration",  "has_deceleration_limits",
     "max_deceleration",    "has_effort_limits", "max_effort",
-    "angle_wraparound",    "has_soft_limits",   "k_position"};
+    "angle_wraparound",    "has_soft_limits",   "soft_lower_limit",
+    "soft_upper_limit",    "k_position",        "k_velocity"};
 
 std::string placeOf(const YamlReader& place) {
   return fmt::format("{}:{}", place.file(), place.line());
@@ -96,7 +98,7 @@ class JointLimits {
   static std::optional<YamlReader> limit(const YamlReader& entry, const char* has,
                                          const char* key) {
     const auto flag = entry.find(has);
-    if (flag && !flag->boolean()) return std::nullopt;
+    if (flag && !readMoveitBoolean(*flag)) return std::nullopt;
     const auto value = entry.find(key);
     if (flag && !value)
       flag->fail(
@@ -112,11 +114,29 @@ class JointLimits {
       warn(entry, fmt::format("joint '{}' does not move: its limits are left out", name));
       return;
     }
-    for (const char* key : {"has_effort_limits", "has_soft_limits", "angle_wraparound"})
-      if (const auto flag = entry.find(key); flag && flag->boolean())
+    for (const char* key : {"has_effort_limits", "angle_wraparound"})
+      if (const auto flag = entry.find(key); flag && readMoveitBoolean(*flag))
         warn(*flag, fmt::format("'{}' of joint '{}' is left out: nothing here uses it", key, name));
+    warnOfSoftLimits(name, entry);
     readRates(entry, master, std::abs(ratio), isFollowed(master));
     readPositions(name, entry, master, joint.mimic < 0 ? 0 : joint.offset, ratio);
+  }
+
+  /// Soft limits are named and not used, as those of a URDF's <safety_controller>.
+  void warnOfSoftLimits(const std::string& name, const YamlReader& entry) {
+    const auto has = entry.find("has_soft_limits");
+    if (has && !readMoveitBoolean(*has)) return;
+    std::optional<YamlReader> first = has;
+    std::string limits;
+    for (const char* key : {"soft_lower_limit", "soft_upper_limit"})
+      if (const auto value = entry.find(key)) {
+        limits += fmt::format("{} {} {}", limits.empty() ? "" : ",", key, value->number());
+        if (!first) first = value;
+      }
+    if (first)
+      warn(*first, fmt::format("soft limits of joint '{}' are left out{}{}; min_position and "
+                               "max_position would narrow its range",
+                               name, limits.empty() ? "" : ":", limits));
   }
 
   bool isFollowed(const robots::Joint& master) const {
@@ -149,7 +169,7 @@ class JointLimits {
                                    std::pair("has_acceleration_limits", "min_acceleration")})
       if (const auto value = entry.find(key)) {
         const auto flag = entry.find(has);
-        if (flag && !flag->boolean()) continue;
+        if (flag && !readMoveitBoolean(*flag)) continue;
         const auto most = entry.find(std::string("max_") + (key + 4));
         if (!most || value->number() != -most->number())
           warn(*value, fmt::format("{} is left out: limits are the same in both directions",
@@ -176,7 +196,7 @@ class JointLimits {
                      double offset, double ratio) {
     const auto flag = entry.find("has_position_limits");
     const auto low = entry.find("min_position"), high = entry.find("max_position");
-    if ((flag && !flag->boolean()) || (!flag && !low && !high)) return;
+    if ((flag && !readMoveitBoolean(*flag)) || (!flag && !low && !high)) return;
     if (flag && !low && !high) limit(entry, "has_position_limits", "max_position");  // fails
     const YamlReader& place = low ? *low : *high;
     if (master.variable_count != 1) {

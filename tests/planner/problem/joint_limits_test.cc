@@ -106,6 +106,18 @@ joint_limits:
   EXPECT_EQ(own_->variables[0].velocity, 2) << "the robot itself is constant";
 }
 
+/// True and False are words of MoveIt's files.
+TEST_F(JointLimits, FlagsAreInCapitalsToo) {
+  model_ = with(R"(joint_limits:
+  shoulder:
+    {has_velocity_limits: True, max_velocity: 0.1, has_acceleration_limits: False, max_acceleration: 1,
+     has_soft_limits: False, soft_lower_limit: -1}
+)");
+  EXPECT_EQ(of("shoulder").velocity, 0.1);
+  EXPECT_EQ(of("shoulder").acceleration, kNoLimit);
+  EXPECT_EQ(model_->warnings.size(), own_->warnings.size());
+}
+
 TEST_F(JointLimits, OfAJointThatFollowsLimitTheOneItFollows) {
   model_ = with("joint_limits: {finger: {max_velocity: 3, min_position: -1.5, max_position: 4.5}}");
   EXPECT_EQ(of("shoulder").velocity, 1.5);
@@ -137,7 +149,9 @@ TEST_F(JointLimits, WarnOfWhatIsLeftOut) {
       {"cart: {min_position: -1, max_position: 1}", "'bounds' limit planar and floating joints"},
       {"flange: {max_velocity: 1}", "joint 'flange' does not move"},
       {"wrist: {angle_wraparound: true}", "'angle_wraparound' of joint 'wrist' is left out"},
-      {"wrist: {has_soft_limits: true}", "'has_soft_limits' of joint 'wrist' is left out"},
+      {"wrist: {has_soft_limits: true}", "soft limits of joint 'wrist' are left out; min_position"},
+      {"wrist: {soft_upper_limit: 1, soft_lower_limit: -1, k_velocity: 1, k_position: 2}",
+       "soft limits of joint 'wrist' are left out: soft_lower_limit -1, soft_upper_limit 1; "},
       {"wrist: {max_velocity: 1, min_velocity: -2}", "min_velocity is left out"},
   };
   for (const auto& [limit, words] : kinds) {
