@@ -113,6 +113,34 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
                   didYouMean(model, "group state", name, known)));
 }
 
+/// Whether a variable is an angle without limits.
+bool turnsWithoutLimits(const Model& model, int variable) {
+  const robots::Variable& v = model.variables[at(variable)];
+  const Joint& joint = model.joints[at(v.joint)];
+  return std::isinf(v.lower) && std::isinf(v.upper) &&
+         (joint.type == JointType::kContinuous ||
+          (joint.type == JointType::kPlanar && variable == joint.first_variable + 2));
+}
+
+/// The whole range of a variable, which `where` calls 'any'. Throws where it has none.
+VariableRange anyRange(const Model& model, int variable, const std::string& where,
+                       const std::string& file, int line) {
+  const robots::Variable& v = model.variables[at(variable)];
+  if (turnsWithoutLimits(model, variable)) return {true, -std::numbers::pi, std::numbers::pi, line};
+  if (!(std::isfinite(v.lower) && std::isfinite(v.upper)))
+    throw InputError(
+        file, line,
+        fmt::format("{} is 'any', but {} has no limits; a number or a pair [from, to] is expected",
+                    where, variableText(model, variable)));
+  if (const double most = largestValue(model, variable); !(std::max(-v.lower, v.upper) <= most))
+    throw InputError(
+        file, line,
+        fmt::format("{} is 'any', but the limits of {} are {} to {}, beyond +-{}; a number or a "
+                    "pair [from, to] is expected",
+                    where, variableText(model, variable), v.lower, v.upper, most));
+  return {true, v.lower, v.upper, line};
+}
+
 /// Reads one state. Only goals may have ranges.
 class StateReader {
  public:
@@ -236,20 +264,9 @@ class StateReader {
 
   void readValue(const YamlReader& value, int variable) {
     if (goal_ && value.isScalar() && value.text() == "any") {
-      const robots::Variable& v = model_.variables[at(variable)];
-      const bool circle = turnsFreely(variable);
-      if (!circle && !(std::isfinite(v.lower) && std::isfinite(v.upper)))
-        value.fail(fmt::format(
-            "{} is 'any', but {} has no limits; a number or a pair [from, to] is expected",
-            value.where(), variableText(model_, variable)));
-      if (const double most = largestValue(model_, variable);
-          !circle && !(std::max(-v.lower, v.upper) <= most))
-        value.fail(fmt::format(
-            "{} is 'any', but the limits of {} are {} to {}, beyond +-{}; a number or a pair "
-            "[from, to] is expected",
-            value.where(), variableText(model_, variable), v.lower, v.upper, most));
-      return set(variable, circle ? -std::numbers::pi : v.lower,
-                 circle ? std::numbers::pi : v.upper, value);
+      const VariableRange range =
+          anyRange(model_, variable, value.where(), value.file(), value.line());
+      return set(variable, range.lower, range.upper, value);
     }
     if (goal_ && value.isList()) {
       const std::vector<double> range = value.numbers();
@@ -260,14 +277,6 @@ class StateReader {
     }
     const double number = value.number();
     set(variable, number, number, value);
-  }
-
-  bool turnsFreely(int variable) const {
-    const robots::Variable& v = model_.variables[at(variable)];
-    const Joint& joint = model_.joints[at(v.joint)];
-    return std::isinf(v.lower) && std::isinf(v.upper) &&
-           (joint.type == JointType::kContinuous ||
-            (joint.type == JointType::kPlanar && variable == joint.first_variable + 2));
   }
 
   /// `line`: 0 for a group state's values.
@@ -468,10 +477,13 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
                                    text, name, nearJointOrGroup(model, name)));
     std::string state = text.substr(equals + 1, end - equals - 1);
     state.erase(state.find_last_not_of(", ") + 1);
-    const VariableRanges own =
-        group >= 0 ? statedRanges(what + " of " + name, state, model,
-                                  model.groups[at(group)].variables, name)
-                   : statedRanges(what + " of " + name, state, model, std::vector{variable});
+    const std::vector<int> of =
+        group >= 0 ? model.groups[at(group)].variables : std::vector{variable};
+    VariableRanges own(model.variables.size());
+    if (what == "goal" && state == "any")
+      for (const int v : of) own[at(v)] = anyRange(model, v, what + " of " + name, "", 0);
+    else
+      own = statedRanges(what + " of " + name, state, model, of, group >= 0 ? name : "");
     for (std::size_t v = 0; v < own.size(); ++v) {
       if (!own[v].given) continue;
       if (ranges[v].given)

@@ -44,8 +44,8 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
               const VariableRanges& given, const Problem& problem);
 
 /// The values of a group state, or of "0 1.5" or "0, 1.5": one of each planned variable; or those
-/// of groups, "left=up, right=0 1.5". Throws InputError without a file; `what` names the text in
-/// messages.
+/// of groups, "left=up, right=0 1.5"; of a goal also "left=any". Throws InputError without a file;
+/// `what` names the text in messages.
 VariableRanges statedRanges(const std::string& what, const std::string& text,
                             const Problem& problem);
 

@@ -13,6 +13,7 @@
 #include "leeway/planner/save_problem.h"
 #include "leeway/planner/task.h"
 #include "leeway/planner/verify.h"
+#include "planner/problem/read_states.h"
 #include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
 
@@ -100,6 +101,16 @@ TEST_F(Groups, AStateOfTheGroupComesFirst) {
   EXPECT_EQ(left("{left: {l_b: 0, l_a: 0.75}, r_a: 0, r_b: 1}"), 0.75);
   const Problem any = loadProblem(write(kStart, "{right: any, left: zero}"));
   EXPECT_EQ(any.goals[0].ranges[0], std::pair(-3.0, 3.0));
+}
+
+/// The command's --goal takes the same word.
+TEST_F(Groups, StatedGoalsTakeAny) {
+  Problem problem = loadProblem(write(kStart, "ahead"));
+  problem.goals.clear();
+  takeStates("left=0.5 0, right=-0.5 0", "left=any, right=out", problem);
+  const std::vector<std::pair<double, double>> goal = {{-1.5, -1.5}, {0.5, 0.5}, {-3, 3}, {-2, 2}};
+  EXPECT_EQ(problem.goals[0].ranges, goal);
+  EXPECT_THROW(takeStates("left=any, right=out", "ahead", problem), robots::InputError);
 }
 
 TEST_F(Groups, SetJointsThatAreNotPlanned) {

@@ -238,7 +238,8 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
                  "with --robot: the start, a group state (also zero, middle), or a value for each "
                  "planned joint: \"0 -1.5 0\"; of several groups: \"LEFT=up, RIGHT=0 -1.5 0\"")
       ->type_name("STATE");
-  app.add_option("--goal", source.goal, "with --robot: the goal, in the forms of --start")
+  app.add_option("--goal", source.goal,
+                 "with --robot: the goal, in the forms of --start; \"LEFT=any, RIGHT=up\"")
       ->type_name("STATE");
   app.add_option(
          "--goal-pose", source.goal_pose,
@@ -427,9 +428,8 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
   {
     const InterruptibleReading reading(time_limit);
     source.stop = reading.stop();
-    problem = readProblem(source);
-    if (source.kinematics_only && !problem.start_poses.empty()) {
-      // Such a start needs collisions, because its joint values must be free.
+    try {
+      problem = readProblem(source);
       if (source.kinematics_only && !problem.start_poses.empty()) {
         // Such a start needs collisions, because its joint values must be free.
         source.kinematics_only = false;
@@ -440,12 +440,11 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
       throw robots::Stopped(
           fmt::format("{}: the {:g} s for reading are over; a longer --time is expected",
                       stopped.what(), std::max(time_limit.value_or(0), planner::kLeastReading)));
-      source.kinematics_only = false;
-      problem = readProblem(source);
     }
   }
   robots::throwIfStopped(interrupted, "the problem was read");  // after the last call of stop()
   if (change) change(problem);
+  printWarnings(problem.warnings);
   return source.places_start ? planner::placeStart(problem, interrupted) : problem;
 }
 
@@ -454,7 +453,6 @@ void refuseSteps(const planner::Problem& problem, const char* verb) {
     badUsage(fmt::format(
         "{} looks at one world, and {} has steps; plan, verify, clearance and view take them", verb,
         problem.name));
-  printWarnings(problem.warnings);
 }
 
 planner::Problem loadProblemOrRobot(const ProblemSource& source, const Change& change) {
