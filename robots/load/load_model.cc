@@ -520,9 +520,14 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
       appendJoint(document.joints[at(joint)], link_position, robot);
   }
   OpenMeshes open;
-  for (const Link& link : robot.links) open.add(link.name, link.geometries);
-  if (const std::string text = open.text(false); !text.empty())
-    robot.warnings.push_back(urdf_path + ": " + text);
+  const UrdfLink* first_open = nullptr;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    open.add(robot.links[i].name, robot.links[i].geometries);
+    if (first_open == nullptr && !open.isEmpty()) first_open = &document.links[at(order[i].first)];
+  }
+  if (first_open != nullptr)
+    robot.warnings.push_back(first_open->file + ":" + std::to_string(first_open->line) + ": " +
+                             open.text(false));
   if (options.meshes_found == nullptr) requireFound(options.meshes, found, urdf_path);
   robot.read_with = {options.packages, options.xacro, options.visual_as_collision, {}};
   for (const auto& [name, treatment] : options.meshes)

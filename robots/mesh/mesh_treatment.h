@@ -31,6 +31,7 @@ class OpenMeshes {
  public:
   /// Counts the open edges of all meshes among the geometries, including deforming ones.
   void add(std::string_view owner, std::span<const collision::Geometry> geometries);
+  bool isEmpty() const { return open_.empty(); }
   /// One sentence about all of them, which names the key that decides, or the means `of_program`s;
   /// empty if there are none.
   std::string text(bool of_program) const;

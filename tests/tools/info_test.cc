@@ -174,6 +174,15 @@ TEST_F(Info, NamesComponentsThatAreNotClosed) {
   ASSERT_NE(section, std::string::npos) << out;
   EXPECT_NE(out.find("shell", section), std::string::npos) << out;
   EXPECT_EQ(out.find("solid", section), std::string::npos) << out;
+  // Twelve of them are cut short.
+  text = text.substr(0, text.find("  - {name: shell"));
+  for (char c = 'a'; c < 'm'; ++c)
+    text += std::string("  - {name: ") + c + ", position: [0, -2, 0], mesh: {file: open.obj}}\n";
+  write("many.yaml", text);
+  const std::string few = run("info many.yaml").out, all = run("info many.yaml --all").out;
+  EXPECT_NE(few.find("of i: component 0, 3 triangles\nand 3 more (--all)\n"), std::string::npos)
+      << few;
+  EXPECT_NE(all.find("of l: component 0, 3 triangles\n"), std::string::npos) << all;
 }
 
 TEST_F(Info, SamplesSuggestAndDropNothing) {

@@ -35,6 +35,28 @@ TEST_F(Lint, FindingsHaveFileLineAndLevel) {
   EXPECT_EQ(document["findings"][0]["line"], 10);
 }
 
+/// A warning about a robot as a whole names the robot's file, once, and the line of the link.
+TEST_F(Lint, WarningsOfTheRobotNameItsFile) {
+  write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  std::string urdf = kUrdf;
+  urdf.replace(urdf.find("<box size"), std::string("<box size=\"0.4 0.04 0.04\"/>").size(),
+               "<mesh filename=\"open.obj\" scale=\"0.01 0.01 0.01\"/>");
+  write("open.urdf", urdf);
+  std::string text = kReach;
+  write("open.yaml", text.replace(text.find("arm.urdf"), 8, "open.urdf"));
+  const Answer answer = run("lint open.yaml");
+  EXPECT_NE(answer.out.find("open.urdf:3: warning: a mesh is not closed: upper"), std::string::npos)
+      << answer.out;
+  EXPECT_EQ(answer.out.find("warning: open.urdf"), std::string::npos) << answer.out;
+  text = kReach;
+  write("open.yaml",
+        text.replace(text.find("limits"), 0,
+                     "  - {name: shell, position: [0, -2, 0], mesh: {file: open.obj}}\n"));
+  const json finding = run("lint open.yaml --json").document()["findings"][0];
+  EXPECT_EQ(finding["file"], "open.yaml");
+  EXPECT_EQ(finding["message"].get<std::string>().rfind("a mesh is not closed: shell", 0), 0U);
+}
+
 TEST_F(Lint, AMarginWithoutEffectIsToldByEveryVerb) {
   write("idle.yaml", std::string(kReach) + "margins: [{between: [upper, lower], margin: 0.1}]\n");
   const std::string words =

@@ -43,7 +43,8 @@ struct Finding {
   std::string message;
 };
 
-/// A warning is "FILE:LINE: text". Without a line, it concerns `file` as a whole.
+/// A warning is "FILE:LINE: text", or "FILE: text" about a file as a whole; else it concerns
+/// `file`.
 Finding findingOf(const std::string& warning, const std::string& file) {
   for (std::size_t end = warning.find(": "); end != std::string::npos;
        end = warning.find(": ", end + 1)) {
@@ -55,6 +56,10 @@ Finding findingOf(const std::string& warning, const std::string& file) {
     return {warning.substr(0, digits - 1), std::stoi(warning.substr(digits, end - digits)), false,
             warning.substr(end + 2)};
   }
+  const std::size_t end = warning.find(": ");
+  std::error_code error;
+  if (end != std::string::npos && std::filesystem::is_regular_file(warning.substr(0, end), error))
+    return {warning.substr(0, end), 0, false, warning.substr(end + 2)};
   return {file, 0, false, warning};
 }
 

@@ -1,6 +1,7 @@
 #include "tools/leeway/info/tables.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -96,11 +97,16 @@ std::string sizeText(const Json& size) {
   return text;
 }
 
+/// How many of `rows` are not shown.
+std::size_t moreThanShown(std::size_t rows, bool all) {
+  return all || rows <= kRows + 1 ? 0 : rows - kRows;
+}
+
 /// Prints the first of many rows, and the number of the others.
 void printRows(const std::vector<std::string>& heading, std::vector<std::vector<std::string>> rows,
                const std::vector<std::size_t>& left, bool all) {
-  const std::size_t more = all || rows.size() <= kRows + 1 ? 0 : rows.size() - kRows;
-  if (more > 0) rows.resize(kRows);
+  const std::size_t more = moreThanShown(rows.size(), all);
+  rows.resize(rows.size() - more);
   fmt::print("{}", formatTable(heading, rows, left));
   if (more > 0) fmt::print("and {} more (--all)\n", more);
 }
@@ -223,7 +229,8 @@ std::string shapesText(const Json& geometries) {
 
 void printGeometries(const Json& geometries, bool all, bool is_short) {
   std::vector<std::vector<std::string>> rows;
-  std::string open, pieces;
+  std::string pieces;
+  std::vector<std::string> open;
   const auto field = [](const Json& json, const char* key) {
     return json.contains(key) ? json[key].dump() : std::string();
   };
@@ -245,8 +252,9 @@ void printGeometries(const Json& geometries, bool all, bool is_short) {
     const std::string name =
         geometry["name"].get<std::string>().empty() ? "mesh" : geometry["name"].get<std::string>();
     for (const auto& component : geometry["open"]) {
-      open += fmt::format("  {} of {}: component {}, {} triangles\n", name, owner,
-                          component["component"].get<int>(), component["triangles"].get<int>());
+      open.push_back(fmt::format("  {} of {}: component {}, {} triangles\n", name, owner,
+                                 component["component"].get<int>(),
+                                 component["triangles"].get<int>()));
     }
     const Json& parts = geometry["convex_pieces"];
     pieces += fmt::format("  {} of {}: ", name, owner);
@@ -266,7 +274,10 @@ void printGeometries(const Json& geometries, bool all, bool is_short) {
     fmt::print("\nqueries of meshes use\n{}", pieces);
   }
   if (!open.empty()) {
-    fmt::print("\nnot closed, so surfaces without an inside:\n{}", open);
+    const std::size_t more = moreThanShown(open.size(), all);
+    fmt::print("\nnot closed, so surfaces without an inside:\n{}{}",
+               fmt::join(open.begin(), open.end() - static_cast<std::ptrdiff_t>(more), ""),
+               more > 0 ? fmt::format("and {} more (--all)\n", more) : "");
   }
 }
 
