@@ -50,6 +50,13 @@ MeshSource::MeshSource(std::string path, std::string referrer, int referrer_line
   if (begin.empty()) fail("is empty; " + std::string(kAccepted) + " would be accepted");
   if (beginsWith(begin, "version https://git-lfs.github.com/"))
     fail("is a Git LFS pointer, not the mesh; `git lfs pull` in its repository fetches the mesh");
+  // XHTML begins as any XML does.
+  for (const auto& [first, last] : {std::pair<std::string_view, std::string_view>("<?", "?>"),
+                                    std::pair<std::string_view, std::string_view>("<!--", "-->")})
+    if (begin.starts_with(first)) {
+      begin.remove_prefix(std::min(begin.find(last), begin.size() - last.size()) + last.size());
+      begin.remove_prefix(std::min(begin.find_first_not_of(" \t\r\n"), begin.size()));
+    }
   if (beginsWith(begin, "<!doctype html") || beginsWith(begin, "<html"))
     fail("is a web page (HTML), not the mesh; " + std::string(kAccepted) + " would be accepted");
 }

@@ -109,23 +109,27 @@ bool isPrintable(std::byte byte) {
   return isBlank(c) || (c >= ' ' && c <= '~');
 }
 
-/// Whether the 50 bytes after the last declared triangle are a triangle, as far as can be
-/// determined; if so, the count is wrong. (Other data there belongs to other programs.)
-bool isTriangleOf(const FileMesh& mesh, const std::byte* bytes) {
+/// Whether 50 bytes after the last declared triangle are a triangle, as far as can be determined;
+/// if so, the count is wrong. (Other data there belongs to other programs.) `fits`: a whole number
+/// of triangles follows. These may then have any normal, noise in place of zeros, and any usual
+/// size.
+bool isTriangleOf(const FileMesh& mesh, const std::byte* bytes, bool fits) {
   double largest = 0;
   for (const Eigen::Vector3d& v : mesh.vertices)
     largest = std::max(largest, v.cwiseAbs().maxCoeff());
-  double least = 0, most = 0;
-  for (std::size_t k = 0; k < 12; ++k) {
-    const double value = static_cast<double>(loadNumber<float>(bytes + 4 * k));
+  const double lower = fits ? 1e-30 : 1e-12 * largest, upper = fits ? 1e12 : 100 * largest;
+  double most = 0;
+  for (std::size_t k = fits ? 3 : 0; k < 12; ++k) {
+    const double value = std::abs(static_cast<double>(loadNumber<float>(bytes + 4 * k)));
     if (!std::isfinite(value)) return false;
-    if (k < 3 && std::abs(value) > 2) return false;  // a normal
-    if (k < 3) continue;
-    least = std::min(least, std::abs(value));
-    most = std::max(most, std::abs(value));
-    if (value != 0 && std::abs(value) < 1e-12 * largest) return false;
+    if (k < 3) {  // a normal
+      if (value > 2) return false;
+      continue;
+    }
+    if (value != 0 && value < lower) return false;
+    most = std::max(most, value);
   }
-  return most > 0 && most <= 100 * largest;
+  return most > 0 && most <= upper;
 }
 
 FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
@@ -136,6 +140,11 @@ FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
         "header; an intact STL file would be accepted");
   const std::size_t count = loadNumber<std::uint32_t>(&bytes[kHeader - 4]);
   const std::size_t room = (bytes.size() - kHeader) / kFacet;
+  if (const std::size_t zero = source.text().find('\0');
+      isWord(Words(source.text()).next(), "solid") && zero >= kHeader && count > room)
+    source.failAt(FilePlace::byte(bytes.size() - source.text().size() + zero),
+                  "a byte of value 0 stands in a text file; text without it, or a binary file, "
+                  "would be accepted");
   if (count > room && std::all_of(bytes.begin(), bytes.begin() + kHeader, isPrintable))
     source.failAt(FilePlace::line(1), "begins with " + shown(Words(source.text()).next()) +
                                           "; \"solid\", or a binary file, would be accepted");
@@ -165,7 +174,10 @@ FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
   }
   const std::size_t end = kHeader + count * kFacet;
   const bool fits = (bytes.size() - end) % kFacet == 0;
-  if (room > count && (count == 0 || fits || isTriangleOf(mesh, &bytes[end])))
+  bool is_more = room > count && count == 0;
+  for (std::size_t i = count; i < (fits ? room : std::min(room, count + 1)) && !is_more; ++i)
+    is_more = isTriangleOf(mesh, &bytes[kHeader + i * kFacet], fits);
+  if (is_more)
     source.failAt(FilePlace::byte(kHeader - 4),
                   "the count is " + std::to_string(count) + ", but more triangles follow, up to " +
                       std::to_string(room) + "; their number would be accepted");

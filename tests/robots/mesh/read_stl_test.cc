@@ -115,25 +115,32 @@ TEST(ReadStl, BinaryThatBeginsAsText) {
 
 TEST(ReadStl, BytesAfterTheTrianglesAreTold) {
   const std::vector<float> triangle = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  for (const std::size_t size : {1U, 17U, 64U}) {
-    const MeshContents contents =
-        readAs(readStl, binaryStl({triangle, triangle}, 2) + std::string(size, 'x'));
-    EXPECT_EQ(contents.meshes[0].faces.size(), 2U);
-    ASSERT_EQ(contents.notes.size(), 1U);
-    EXPECT_EQ(contents.notes[0].place.text(), ", byte 184");
-    EXPECT_EQ(contents.notes[0].text,
-              std::to_string(size) + " bytes after the last triangle are not read");
-  }
+  for (const std::size_t size : {1U, 17U, 50U, 64U, 1000U})
+    for (const char fill : {'x', '\0', '\1'}) {
+      const MeshContents contents =
+          readAs(readStl, binaryStl({triangle, triangle}, 2) + std::string(size, fill));
+      EXPECT_EQ(contents.meshes[0].faces.size(), 2U);
+      ASSERT_EQ(contents.notes.size(), 1U);
+      EXPECT_EQ(contents.notes[0].place.text(), ", byte 184");
+      EXPECT_EQ(contents.notes[0].text,
+                std::to_string(size) + " bytes after the last triangle are not read");
+    }
 }
 
 TEST(ReadStl, DamagedFiles) {
   const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readStl, damaged); };
-  // Whole facets follow, whatever their content: the count is wrong.
+  // Whole facets follow, with any normal and size: the count is wrong.
   const std::vector<float> one = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  for (const std::size_t size : {50U, 100U})
-    refused({binaryStl({one, one}, 2) + std::string(size, 'x'),
-             ", byte 80",
-             {"the count is 2, but more triangles follow"}});
+  for (const float x : {1e-17F, 900.0F}) {
+    const std::vector<float> more = {0, 0, 0, x, 0, 0, 0, 1, 0};
+    std::string wrong = binaryStl({one, one, one, more}, 2);
+    wrong.replace(84 + 2 * 50, 50, 50, 'x');  // the first is none
+    wrong[84 + 3 * 50 + 3] = '\x42';          // a normal of 32
+    refused({wrong, ", byte 80", {"the count is 2, but more triangles follow"}});
+  }
+  refused({"solid s\n" + kFacet + '\0' + kFacet + "endsolid\n",
+           ", byte " + std::to_string(8 + kFacet.size()),
+           {"a byte of value 0 stands in a text file"}});
   const std::string begin = "solid s\n" + kFacet;
   // Truncated anywhere except after the last word.
   const std::string whole = begin + kFacet + "endsolid s";
@@ -188,6 +195,11 @@ TEST(ReadStl, NoMeshAtAll) {
            {"is a Git LFS pointer", "git lfs pull"}});
   refused({"\n<!DOCTYPE html>\n<html><body>404</body></html>", "", {"is a web page (HTML)"}});
   refused({"<html lang=\"en\">", "", {"is a web page (HTML)"}});
+  refused(
+      {"<?xml version=\"1.0\"?>\n<!-- -->\n<!DOCTYPE html PUBLIC \"-//W3C//DTD XHTML "
+       "1.0\">\n<html>",
+       "",
+       {"is a web page (HTML)"}});
   refused({"", "", {"is empty"}});
   refused({" \n\n", "", {"is empty"}});
 }
