@@ -9,13 +9,14 @@ using collision::Shape;
 
 const MeshTreatment* treatmentOf(const LoadOptions& options,
                                  std::initializer_list<std::string_view> names) {
+  const MeshTreatment* first = nullptr;
   for (const std::string_view name : names) {
     const auto found = options.meshes.find(name);
     if (found == options.meshes.end()) continue;
     if (options.meshes_found != nullptr) options.meshes_found->insert(found->first);
-    return &found->second;
+    if (first == nullptr) first = &found->second;
   }
-  return nullptr;
+  return first;
 }
 
 Shape withTreatment(const Shape& shape, const MeshTreatment& treatment) {
@@ -70,7 +71,8 @@ std::string OpenMeshes::text(bool of_program) const {
   return text + (rigid_.empty()
                      ? ": {solid: surface}}` says that it is a surface; a file whose facets share "
                        "their vertices closes it"
-                     : ": {solid: hull}}`, in Python the argument meshes, takes the convex hull, "
+                     : ": {solid: hull}}` of a problem file, in Python the argument meshes, takes "
+                       "the convex hull, "
                        "`weld: 1e-6` closes cracks of up to a micron, `solid: surface` says that "
                        "it is a surface");
 }

@@ -16,7 +16,7 @@
 namespace leeway::robots {
 
 /// The entry of LoadOptions::meshes under the first of `names` that has one (the owner of the mesh,
-/// then the path of its file as written), marked as found; null if there is none.
+/// then the path of its file as written); null if there is none. Marks all of them as found.
 const MeshTreatment* treatmentOf(const LoadOptions& options,
                                  std::initializer_list<std::string_view> names);
 

@@ -57,7 +57,7 @@ TEST(MeshTreatment, AMeshThatIsNotClosedIsNamedOnce) {
   EXPECT_TRUE(warnsOf(open.problem,
                       "a mesh is not closed: cube (8 open edges); where it is open, "
                       "what is inside is not seen. The key `meshes: {cube: {solid: "
-                      "hull}}`, in Python the argument meshes, takes"))
+                      "hull}}` of a problem file, in Python the argument meshes, takes"))
       << open.problem.warnings[0];
 }
 
@@ -135,6 +135,16 @@ TEST(MeshTreatment, LinksHaveIt) {
   } catch (const robots::InputError& error) {
     EXPECT_NE(std::string(error.what()).find("meshes names 'bsae'"), std::string::npos);
   }
+}
+
+/// Regression: where the owner's entry takes the place of its file's, the file was called unknown.
+TEST(MeshTreatment, TheOwnersEntryComesBeforeItsFiles) {
+  const Folder folder;
+  folder.write("cube.obj", kCracked);
+  const Loaded loaded =
+      load(folder, withBall("meshes: {cube.obj: {solid: surface}, cube: {solid: hull}}"));
+  EXPECT_EQ(loaded.start, Verdict::kNotFree);
+  EXPECT_TRUE(loaded.problem.warnings.empty());
 }
 
 TEST(MeshTreatment, WrongEntriesAreRefused) {
