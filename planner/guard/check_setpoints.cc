@@ -386,6 +386,13 @@ struct Guard::Impl {
     return true;
   }
 
+  /// Names a limit that the robot breaks where the motion begins: setpoints may lead back inside.
+  void checkBeginning() {
+    for (int i = 0; i < static_cast<int>(size) && answer.reason == GuardReason::kPassed; ++i)
+      if (isCircle(i) || keepsRange(i, next.row(0)[at(i)]))
+        keeps(MotionLimit::kVelocity, i, next.velocity[at(i)], options.limits.velocity[at(i)], 0);
+  }
+
   bool keepsRange(int variable, double q) {
     const double low = scene->space().lower(variable), high = scene->space().upper(variable);
     if (q >= low && q <= high) return true;
@@ -508,6 +515,8 @@ struct Guard::Impl {
         const int free = std::max(0, proof.freeUntil(next, 0, count));
         if (free < count) failAsProof(false);
         count = free;
+      } else {
+        checkBeginning();
       }
     }
     for (int k = count; k >= 0; --k) {

@@ -108,6 +108,50 @@ TEST_F(GuardVerb, ReadsPolynomials) {
   }
 }
 
+TEST_F(GuardVerb, NamesTheLimitsThatAreBrokenWhereTheMotionBegins) {
+  const auto line = [&](const std::string& state) {
+    return guard("reach.yaml", "{" + state + "}\n").document();
+  };
+  const json outside = line(R"("position": [-1, 2.6])");
+  EXPECT_EQ(outside["reason"], "limit");
+  EXPECT_EQ(outside["certified"], true) << "it stays where it is";
+  EXPECT_EQ(outside["joint"], "elbow");
+  EXPECT_EQ(outside["limit"], "position");
+  EXPECT_EQ(outside["value"], 2.6);
+  EXPECT_EQ(outside["allowed"], 2.5);
+  const json fast = line(R"("position": [-1, 0], "velocity": [-1.5, 0])");
+  EXPECT_EQ(fast["reason"], "limit");
+  EXPECT_EQ(fast["joint"], "shoulder");
+  EXPECT_EQ(fast["limit"], "velocity");
+  EXPECT_EQ(fast["allowed"], -1);
+  // Setpoints lead back inside.
+  const json back = line(R"("position": [-1, 2.501], "setpoints": [[-1, 2.5005], [-1, 2.4995]])");
+  EXPECT_EQ(back["reason"], "limit");
+  EXPECT_EQ(line(R"("position": [-1, 2.5001], "setpoints": [[-1, 2.4998]])")["passed"], 1);
+}
+
+TEST_F(GuardVerb, MessagesNameKeyAndValue) {
+  const std::pair<const char*, const char*> lines[] = {
+      {R"({"position": [NaN, 0]})", "'NaN' is not JSON there"},
+      {R"({"position": [1e999, 0]})", "position: '1e999' is too large; a size of at most 1.8e+308"},
+      {R"({"observe": {"object": "post", "position": [0,0,0], "orientation": [0,0,0,1], "time": 0,
+           "speed_bound": 1, "turn_bound": 1}})",
+       "'post' has no motion (`moving`) in the problem"},
+      {R"({"observe": {"object": "cart", "position": [0,0,0], "orientation": [0,0,0,1], "time": 0,
+           "speed_bound": 1, "turn_bound": 1}})",
+       "the problem has no object with a motion; one named 'cart' was seen"}};
+  for (const auto& [text, message] : lines) {
+    std::string line = text;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    const Answer answer = guard("reach.yaml", line + "\n");
+    EXPECT_EQ(answer.status, 2) << text;
+    EXPECT_NE(answer.err.find(message), std::string::npos) << text << answer.err;
+  }
+  EXPECT_NE(guard("reach.yaml --joint-error=-0.1", "")
+                .err.find("--joint-error is -0.1; 0 or more is expected"),
+            std::string::npos);
+}
+
 TEST_F(GuardVerb, NeedsNoGoal) {
   std::string text = read("reach.yaml");
   text = std::regex_replace(text, std::regex("\ngoal:[^\n]*"), "");
@@ -143,11 +187,11 @@ TEST_F(GuardVerb, SaysWhichLimitWouldBeBroken) {
 
 TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"1", "1 numbers; 2, or a multiple of that, are expected"},
+      {"1", "1 number; 2, or a multiple of that, are expected"},
       {"[1, 2]", "setpoints[0] is 1; a list of 2 numbers is expected"},
       {"[[1, \"x\"]]", "setpoints[0] is \"x\"; a number is expected"},
-      {"{", "byte 2: this is not JSON"},
-      {"[[1e999, 0]]", "a number is too large"},
+      {"{", "the line ends before its list or object does"},
+      {"[[1e999, 0]]", "'1e999' is too large"},
       {"{\"time\": -1}", "time is -1 s; seconds that do not go back"},
       {"{\"time\": 1.76e18}", "time is 1.76e+18 s; seconds that do not go back"},
       {"{\"time\": 1, \"time\": 2}", "the key 'time' stands twice"},
@@ -156,9 +200,9 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
       {"{\"time\": \"now\"}", "time is \"now\"; a number is expected"},
       {"{\"observe\": {}}", "observe has no 'object'"},
       {"{\"observe\": {\"object\": \"post\", \"vertices\": [], \"time\": 0, \"speed_bound\": 0}}",
-       "there is no deforming obstacle 'post'"},
+       "'post' has no motion (`moving`)"},
       {"{\"observe\": {\"object\": \"\", \"vertices\": [], \"time\": 0, \"speed_bound\": 0}}",
-       "there is no deforming obstacle ''"},
+       "the problem has no deforming obstacle; one named '' was seen"},
       {"{\"observe\": 1}", "observe is no object"},
       {"{\"observe\": {}, \"time\": 1}", "'time' is no key"}};
   for (const auto& [text, message] : wrong) {
@@ -253,7 +297,7 @@ TEST_F(GuardVerb, ARobotThatIsNotCertifiedIsStatus1) {
 TEST_F(GuardVerb, RefusesWhatItCannotGuard) {
   expectRefused("guard reach.yaml --period 0", {"--period: 0"});
   expectRefused("guard reach.yaml --joint-error x=1", {"--joint-error", "no planned joint 'x'"});
-  expectRefused("guard reach.yaml --joint-error -1", {"joint_errors[0] is -1"});
+  expectRefused("guard reach.yaml --joint-error -1", {"--joint-error is -1; 0 or more"});
   expectRefused("guard reach.yaml --joint-error 0,1", {"'0' names no joint; a number for all, or"});
   expectRefused("guard reach.yaml --joint-error elbow=0.5,elbow=0", {"names 'elbow' twice"});
   expectRefused("guard reach.yaml --joint-error elbow,shoulder=1", {"elbow=NUMBER is expected"});
@@ -378,12 +422,16 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
       guard("cloud.yaml", still + observe(0.06, points) + still + observe(0.12, balls) + still +
                               observe(0.18, file) + still + observe(0.25, nothing) +
                               observe(0.1, points));
-  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.status, 2) << "a scan of nothing";
   const std::vector<json> lines = answer.lines();
   ASSERT_EQ(lines.size(), 9u);
   for (const std::size_t k : {0u, 2u, 4u, 6u}) EXPECT_EQ(lines[k]["passed"], 3) << k;
   for (const std::size_t k : {1u, 3u, 5u}) EXPECT_EQ(lines[k]["observation"], "taken") << k;
   EXPECT_EQ(lines[7]["observation"], "invalid");
+  EXPECT_NE(lines[7]["message"].get<std::string>().find("has 0 balls, and is refused"),
+            std::string::npos);
+  EXPECT_NE(answer.err.find("standard input:8: observe: the cloud of 'shelf'"), std::string::npos);
+  EXPECT_EQ(lines[8]["message"], nullptr);
   EXPECT_EQ(lines[7]["cloud"]["filters"][0]["removed"], 1);
   EXPECT_EQ(lines[8]["observation"], "late");
   EXPECT_EQ(lines[1]["cloud"]["balls"], 1);

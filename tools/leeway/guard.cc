@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -25,6 +26,7 @@
 #include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/figures.h"
 
 namespace leeway::tools {
 namespace {
@@ -189,8 +191,9 @@ class LineReader {
       order.push_back(i);
     }
     if (order.size() != names_.size())
-      throw LineFault{fmt::format("{} columns are named; {} are expected, one a planned joint",
-                                  order.size(), names_.size())};
+      throw LineFault{
+          fmt::format("the names of {} stand there; {} are expected, one a planned joint",
+                      counted(order.size(), "column"), names_.size())};
     order_ = order;
   }
 
@@ -198,8 +201,8 @@ class LineReader {
     const std::size_t n = names_.size();
     for (const std::string& field : fields) numberOf(field);
     if (fields.size() % n != 0)
-      throw LineFault{
-          fmt::format("{} numbers; {}, or a multiple of that, are expected", fields.size(), n)};
+      throw LineFault{fmt::format("{}; {}, or a multiple of that, are expected",
+                                  counted(fields.size(), "number"), n)};
     std::vector<double> setpoints(fields.size());
     for (std::size_t i = 0; i < fields.size(); ++i)
       setpoints[i / n * n + order_[i % n]] = numberOf(fields[i]);
@@ -246,22 +249,43 @@ class LineReader {
   /// lists in lists without end are faults.
   static Json parsed(const std::string& text) {
     std::vector<std::set<std::string>> keys;  // of the objects that are open
+    std::string last_key;
     const auto look = [&](int depth, Json::parse_event_t event, Json& value) {
       if (depth > kDeepest)
         throw LineFault{fmt::format("more than {} lists and objects in each other", kDeepest)};
       if (event == Json::parse_event_t::object_start) keys.emplace_back();
       if (event == Json::parse_event_t::object_end) keys.pop_back();
-      if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-        throw LineFault{fmt::format("the key '{}' stands twice", value.get<std::string>())};
+      if (event != Json::parse_event_t::key) return true;
+      last_key = value.get<std::string>();
+      if (!keys.back().insert(last_key).second)
+        throw LineFault{fmt::format("the key '{}' stands twice", last_key)};
       return true;
     };
     try {
       return Json::parse(text, look);
     } catch (const Json::parse_error& error) {
-      throw LineFault{fmt::format("byte {}: this is not JSON", error.byte)};
-    } catch (const Json::exception&) {
-      throw LineFault{"a number is too large"};
+      throw LineFault{notJson(text, error.byte)};
+    } catch (const Json::exception& error) {  // a number of which no double is near
+      const std::string what = error.what();
+      const std::size_t begin = std::min(what.find('\''), what.size());
+      throw LineFault{fmt::format("{}{} is too large; a size of at most {:.2g} is expected",
+                                  last_key.empty() ? "" : last_key + ": ", what.substr(begin),
+                                  std::numeric_limits<double>::max())};
     }
+  }
+
+  /// What stands where a line is not JSON. `byte`: from 1.
+  static std::string notJson(const std::string& text, std::size_t byte) {
+    constexpr std::string_view kEnds = " \t\r,:[]{}";
+    constexpr std::size_t kShown = 20;
+    if (byte > text.size()) return "the line ends before its list or object does";
+    std::size_t begin = std::max<std::size_t>(byte, 1) - 1, end = begin;
+    while (begin > 0 && kEnds.find(text[begin - 1]) == std::string_view::npos) --begin;
+    while (end < text.size() && kEnds.find(text[end]) == std::string_view::npos) ++end;
+    return fmt::format(
+        "byte {}: '{}' is not JSON there; numbers such as -0.5, lists and objects "
+        "are expected, and null for what was not measured",
+        byte, text.substr(begin, std::clamp<std::size_t>(end - begin, 1, kShown)));
   }
 
   void fromJson(const std::string& text, Line& line) const {
@@ -480,8 +504,11 @@ std::vector<double> jointErrors(const std::string& text, const std::vector<std::
   if (text.empty()) return {};
   std::vector<double> errors(names.size(), -1);  // -1: not given
   const std::vector<std::string> parts = splitAt(',', text);
-  if (parts.size() == 1 && text.find('=') == std::string::npos)
-    return std::vector<double>(names.size(), parseNumber("--joint-error", text));
+  if (parts.size() == 1 && text.find('=') == std::string::npos) {
+    const double error = parseNumber("--joint-error", text);
+    if (!(error >= 0)) badUsage(fmt::format("--joint-error is {}; 0 or more is expected", text));
+    return std::vector<double>(names.size(), error);
+  }
   for (const std::string& part : parts) {
     const std::size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
@@ -524,10 +551,12 @@ class Session {
         reader_(problem),
         seed_(problem.seed),
         most_setpoints_(options.most_setpoints) {
-    for (const planner::DeformingObstacle& o : problem.world.deforming)
+    for (const planner::DeformingObstacle& o : problem.world.deforming) {
       objects_.push_back(o.object.name);
+      vertices_[o.object.name] = static_cast<std::size_t>(o.mesh->vertexCount());
+    }
     for (const planner::Object& o : problem.world.objects)
-      if (o.motion) (o.cloud ? clouds_ : rigid_).push_back(o.name);
+      (!o.motion ? still_ : o.cloud ? clouds_ : rigid_).push_back(o.name);
     rigid_.insert(rigid_.end(), clouds_.begin(), clouds_.end());  // a cloud has a pose, too
   }
 
@@ -545,9 +574,11 @@ class Session {
     try {
       if (!reader_.read(text, line)) return;
       if (line.is_observation) {
-        document["observation"] = observe(line);
+        const planner::Observation result = observe(line);
+        document["observation"] = planner::toString(result);
         document["cloud"] = line.cloud ? cloudJson({line.object, {}, {}, line.cloud}) : Json();
-        return tell({});
+        if (result == planner::Observation::kInvalid) tellFault(message = refusalOfSight(line));
+        return tell(message);
       }
       setpoints = setpointsOf(line);
       check(line);
@@ -623,8 +654,8 @@ class Session {
     if (!line.polynomials.empty())
       if (const std::string fault = faultOfPolynomials(line); !fault.empty()) message = fault;
     if (line.polynomials.empty() && setpoints > static_cast<std::size_t>(most_setpoints_))
-      message = fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
-                            most_setpoints_);
+      message = fmt::format("{}; at most {} (--most-setpoints) are expected",
+                            counted(setpoints, "setpoint"), most_setpoints_);
     const auto wrong = std::find_if(line.setpoints.begin(), line.setpoints.end(),
                                     [](double x) { return !std::isfinite(x); });
     if (wrong != line.setpoints.end()) {
@@ -658,14 +689,51 @@ class Session {
                   .time = line.time});
   }
 
-  std::string observe(const Line& line) {
+  /// Says that an observation has the wrong keys for its object, or that there is no such object.
+  std::string strangeObject(const Line& line, const std::vector<std::string>& known) const {
+    const std::string& name = line.object;
+    const auto isIn = [&](const std::vector<std::string>& list) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    if (isIn(objects_)) return fmt::format("'{}' deforms; its vertices are expected", name);
+    if (isIn(rigid_))
+      return fmt::format("'{}' is {}", name,
+                         isIn(clouds_) ? "a cloud; its points, its balls or its pose are expected"
+                                       : "rigid; its position and orientation are expected");
+    if (isIn(still_))
+      return fmt::format("'{}' has no motion (`moving`) in the problem, and counts as at rest",
+                         name);
+    const std::string kind = line.cloud  ? "cloud with a motion"
+                             : line.X_WO ? "object with a motion"
+                                         : "deforming obstacle";
+    return known.empty()
+               ? fmt::format("the problem has no {}; one named '{}' was seen", kind, name)
+               : fmt::format("there is no {} '{}'{}", kind, name, planner::didYouMean(name, known));
+  }
+
+  /// Why the guard refused an observation.
+  std::string refusalOfSight(const Line& line) const {
+    if (line.cloud)
+      return fmt::format(
+          "observe: the cloud of '{}' has {}, and is refused: it is empty, its "
+          "numbers are too large, or it was carved at another pose",
+          line.object, counted(line.cloud->balls.size(), "ball"));
+    if (line.X_WO)
+      return fmt::format(
+          "observe: the pose of '{}' is refused: its numbers are too large, or its "
+          "cloud was carved at another one",
+          line.object);
+    const std::size_t vertices = vertices_.at(line.object);
+    return line.vertices.size() == vertices
+               ? std::string("observe.vertices: their numbers are too large")
+               : fmt::format("observe.vertices has {}; {} are expected, as '{}' has",
+                             counted(line.vertices.size(), "row"), vertices, line.object);
+  }
+
+  planner::Observation observe(const Line& line) {
     const std::vector<std::string>& known = line.cloud ? clouds_ : line.X_WO ? rigid_ : objects_;
     if (std::find(known.begin(), known.end(), line.object) == known.end())
-      throw LineFault{fmt::format("there is no {} '{}'{}",
-                                  line.cloud  ? "cloud with a motion"
-                                  : line.X_WO ? "object with a motion"
-                                              : "deforming obstacle",
-                                  line.object, planner::didYouMean(line.object, known))};
+      throw LineFault{"observe.object: " + strangeObject(line, known)};
     if (!(line.speed_bound >= 0))
       throw LineFault{
           fmt::format("observe.speed_bound is {}; at least 0 m/s is expected", line.speed_bound)};
@@ -673,19 +741,19 @@ class Session {
       throw LineFault{
           fmt::format("observe.turn_bound is {}; at least 0 rad/s is expected", line.turn_bound)};
     if (line.cloud)
-      return planner::toString(
-          guard_.setCloud(line.object, line.cloud, *line.time, line.speed_bound, line.X_WO));
-    return planner::toString(
-        line.X_WO
-            ? guard_.setPose(line.object, *line.X_WO, *line.time, line.speed_bound, line.turn_bound)
-            : guard_.setVertices(line.object, line.vertices, *line.time, line.speed_bound));
+      return guard_.setCloud(line.object, line.cloud, *line.time, line.speed_bound, line.X_WO);
+    return line.X_WO ? guard_.setPose(line.object, *line.X_WO, *line.time, line.speed_bound,
+                                      line.turn_bound)
+                     : guard_.setVertices(line.object, line.vertices, *line.time, line.speed_bound);
   }
 
   planner::Guard guard_;
   LineReader reader_;
   std::uint64_t seed_;
   int most_setpoints_;
-  std::vector<std::string> objects_, rigid_, clouds_;  // that deform; with a motion; clouds of it
+  // That deform; with a motion; clouds of it; at rest.
+  std::vector<std::string> objects_, rigid_, clouds_, still_;
+  std::map<std::string, std::size_t> vertices_;  // of objects_
   std::size_t number_ = 0;
   bool is_bad_ = false, is_certified_ = true;
 };
@@ -756,7 +824,8 @@ Verb addGuard(CLI::App& command) {
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "no effect: answers are always JSON");
   app->footer(std::string(kGuardKeys) +
-              "\nA line that is wrong stops the robot, and the next ones are read. Exit status 0: "
+              "\nA line that is wrong stops the robot, and the next ones are read. An observation "
+              "that is invalid counts as wrong, but only ages the last one. Exit status 0: "
               "every answer was certified; 1: one was not; 2: a line was wrong.\n"
               "Example:\n  leeway guard problems/moving/wall.yaml <problems/moving/wall.jsonl");
   return {app, [arguments] { return runGuard(*arguments); }};

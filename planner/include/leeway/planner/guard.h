@@ -37,7 +37,8 @@ struct GuardOptions {
 /// Why setpoints do not pass.
 enum class GuardReason : unsigned char {
   kPassed,        ///< all do
-  kLimit,         ///< a limit on position, velocity, acceleration or jerk
+  kLimit,         ///< a limit on position, velocity, acceleration or jerk; of a request without
+                  ///< setpoints, one that is broken where the motion begins
   kNotFree,       ///< a pair comes to its margin
   kNotCertified,  ///< a pair may: neither is proven
   kWork,          ///< the call's work is used up
@@ -71,7 +72,9 @@ struct GuardRequest {
   std::span<const double> position = {};
   /// Where the motion begins at `position`: its velocity there [rad/s or m/s]. Empty: that of the
   /// last answer's motion; in the first call, rest. Where the motion begins, and this, or in the
-  /// first call `position`, is not readable, nothing is certified until a position is given.
+  /// first call `position`, is not readable, nothing is certified until a position is given. The
+  /// acceleration where the motion begins counts as 0: the jerk of the first row is counted from
+  /// there, also that of a stop.
   std::span<const double> velocity = {};
   /// The time of this call [s]. Default: the robot has gone through what the last answer passed,
   /// and at least one period; in the first call Execution::start. Doubles near it must be at most
