@@ -52,11 +52,9 @@ constexpr std::string_view kTrajectoryEndings[] = {".yaml", ".json", ".csv"};
 double millimetres(double metres) { return metres * 1e3; }
 
 /// The proven clearance of an edge or a step: its lower bound, or the path's least clearance if
-/// that is higher.
-std::string keptText(double lower, const planner::Interval& least) {
-  if (const auto figure = figureOf(least);
-      figure && !(std::floor(lower * 1e5) / 100 > std::stod(*figure)))
-    return *figure;
+/// that is higher. `has_least`: the path's least clearance is there.
+std::string keptText(double lower, const planner::Interval& least, bool has_least) {
+  if (const auto figure = figureOf(least); figure && has_least) return *figure;
   lower = std::max(lower, least.lower);
   return std::isfinite(lower) ? ">= " + formatLower(millimetres(lower), 2)
          : lower > 0          ? "nothing near"
@@ -65,7 +63,7 @@ std::string keptText(double lower, const planner::Interval& least) {
 
 /// The waypoints as a table. Columns have the names of joints if they then fit side by side, else
 /// q1, q2, ... with a key above the table.
-std::string pathTable(const planner::PlanResult& result, const planner::Interval& least) {
+std::string pathTable(const planner::PlanResult& result, const planner::PathClearance& least) {
   const auto& names = result.path.names;
   std::size_t width = 0;
   for (const std::string& name : names) width += std::max<std::size_t>(name.size(), 7) + 2;
@@ -81,7 +79,8 @@ std::string pathTable(const planner::PlanResult& result, const planner::Interval
     std::vector<std::string> row = {fmt::format("{}", i)};
     for (const double position : result.path.positions[i]) row.push_back(formatNear(position, 4));
     row.push_back(i < result.certificate.segments.size()
-                      ? keptText(result.certificate.segments[i].lower, least)
+                      ? keptText(result.certificate.segments[i].lower, least.clearance,
+                                 static_cast<int>(i) == least.closest_segment)
                       : "");
     rows.push_back(row);
   }
@@ -90,7 +89,7 @@ std::string pathTable(const planner::PlanResult& result, const planner::Interval
 
 /// The steps of a task, with what each one does and what is proven for it.
 std::string stepTable(const planner::Problem& problem, const planner::PlanResult& result,
-                      const planner::Interval& whole) {
+                      const planner::PathClearance& whole) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < result.path.steps.size(); ++i) {
     const planner::PathStep& step = result.path.steps[i];
@@ -98,7 +97,10 @@ std::string stepTable(const planner::Problem& problem, const planner::PlanResult
     double least = std::numeric_limits<double>::infinity();
     for (int edge = step.first; edge < step.last; ++edge)
       least = std::min(least, result.certificate.segments[static_cast<std::size_t>(edge)].lower);
-    if (step.first < step.last) clearance = keptText(least, whole);
+    if (step.first < step.last)
+      clearance =
+          keptText(least, whole.clearance,
+                   step.first <= whole.closest_segment && whole.closest_segment < step.last);
     if (std::holds_alternative<planner::LineStep>(problem.steps[i].action))
       departure = fmt::format("<= {} mm, {} mrad", formatUpper(millimetres(step.deviation), 2),
                               formatUpper(step.turn * 1e3, 2));
@@ -245,8 +247,8 @@ std::string solvedText(const planner::Problem& problem, const planner::PlanResul
                                           certificate.certified && !is_part);
   std::string text = wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict,
                                          view::leastText(least), obstaclesText(problem))) +
-                     "\n" + pathTable(result, least.all.clearance) + "\n";
-  if (!result.path.steps.empty()) text += stepTable(problem, result, least.all.clearance) + "\n";
+                     "\n" + pathTable(result, least.all) + "\n";
+  if (!result.path.steps.empty()) text += stepTable(problem, result, least.all) + "\n";
   const std::string part =
       is_part ? fmt::format("{}: {}.\n",
                             certificate.certified ? "Only a part of it, which is certified"

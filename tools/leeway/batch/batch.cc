@@ -1,5 +1,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -387,9 +388,12 @@ class Jobs {
 };
 
 void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool verified) {
+  const std::string solved = fmt::format("{} solved", tally.solved);
+  const bool colours = isatty(STDERR_FILENO) == 1;  // the text goes there
   std::string text = fmt::format(
-      "{}: {} solved, {} unsolved, {} with an invalid start or goal, {} with bad input",
-      counted(count, "problem"), tally.solved, tally.unsolved, tally.invalid, tally.bad_input);
+      "{}: {}, {} unsolved, {} with an invalid start or goal, {} with bad input",
+      counted(count, "problem"), colours ? verdictText(solved, tally.status() == kYes) : solved,
+      tally.unsolved, tally.invalid, tally.bad_input);
   if (tally.standing > 0) {
     text += fmt::format(
         ", {} with moving obstacles as they stand at the start (`leeway replan` follows them)",
@@ -439,6 +443,21 @@ void printTable(const std::vector<Tallies::Folder>& folders) {
       stderr, "{}",
       formatTable({"folder", "all", "solved", "unsolved", "invalid", "plan [ms]", "in all", "95 %"},
                   rows));
+}
+
+/// A line of a terminal, in place of JSON.
+std::string lineForPeople(const Json& line) {
+  const std::string status = line["status"];
+  const Json certificate = line.value("certificate", Json());
+  const bool certified =
+      status == "solved" && certificate.is_object() && certificate.value("certified", false);
+  std::string text = fmt::format("{}: {}", line["problem"].get<std::string>(),
+                                 verdictText(certified ? "certified" : status, certified));
+  if (line.contains("obstacles_at") && line["obstacles_at"].is_number())
+    text += fmt::format("; the obstacles stand as at {:g} s", line["obstacles_at"].get<double>());
+  if (certified && line.contains("time_s") && line["time_s"].is_object())
+    text += fmt::format(", {:.2f} ms of planning", line["time_s"].value("plan", 0.0) * 1e3);
+  return text + "\n";
 }
 
 /// The options of the command line that affect answers. Each line keeps them, so that lines with
@@ -561,6 +580,7 @@ int run(const Arguments& arguments) {
     tallies.add(problem, line);
     log.add(line);
   };
+  const bool for_people = arguments.output.empty() && isatty(STDOUT_FILENO) == 1;
   std::size_t done = 0;
   for (const BatchItem& item : items) {
     if (output.has(item.problem)) {
@@ -581,7 +601,12 @@ int run(const Arguments& arguments) {
     }
     Json line = {{"problem", item.problem}, {"version", kJsonVersion}, {"options", options}};
     line.update(outcome.line);
-    output.add(item.problem, jsonText(line));
+    if (for_people) {
+      endProgress();
+      fmt::print("{}", wrapped(lineForPeople(line)));
+    } else {
+      output.add(item.problem, jsonText(line));
+    }
     pages.add(item.problem, line, outcome.page);
     count(item.problem, line);
     log.limit(outcome.time_limit);
@@ -641,7 +666,8 @@ Verb addBatch(CLI::App& command) {
   app->add_flag("--verify", arguments->verify,
                 "add the independent verifier's answer to each line");
   app->footer(
-      "A line is what `plan --json` prints, with `problem`, the file's path, before it. Bad input "
+      "A line is what `plan --json` prints, with `problem`, the file's path, before it; on a "
+      "terminal, the verdict. Bad input "
       "also gives a line, and the run continues.\n\nExamples:\n  leeway batch problems/shelf "
       "--time 1 --verify --output lines.json\n  leeway batch problems/shelf --time 1 --shard 1/2\n "
       " leeway batch problems/shelf --jobs 2");

@@ -49,6 +49,9 @@ void printExecution(const Json& problem) {
           e["foresight"] == "motion" ? "motion" : "speed bound")));
 }
 
+/// A bound on a speed, without the rounding that it has added.
+std::string speedText(double speed) { return formatUpper(speed * (1 - 1e-9), 3); }
+
 void printMoving(const Json& problem) {
   if (problem["moving"].empty()) {
     return;
@@ -61,7 +64,7 @@ void printMoving(const Json& problem) {
                     motion == "seen"   ? fmt::format("seen {:g} s before", o["age"].get<double>())
                     : motion == "keys" ? counted(o["keys"].get<std::size_t>(), "key")
                                        : motion,
-                    speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3)});
+                    speed.is_null() ? "-" : speedText(speed.get<double>())});
   }
   fmt::print("{}", formatTable({"moving", "motion", "points at most [m/s]"}, rows, {2}));
   if (problem["deforming"].empty()) {
@@ -78,7 +81,7 @@ void printDeforming(const Json& problem) {
     const Json& speed = o["speed_bound"];
     rows.push_back(
         {o["name"], o["motion"], o["triangles"].dump(),
-         speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3),
+         speed.is_null() ? "-" : speedText(speed.get<double>()),
          o["strategy"].get<std::string>() + " (" + o["reason"].get<std::string>() + ")"});
   }
   fmt::print("{}", formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy"},

@@ -285,7 +285,12 @@ namespace {
 
 /// The column of a line's text: behind its key, or behind its blanks if it has no key.
 std::size_t textColumn(const std::string& line) {
+  // An option that nearly fills its column has one blank behind it.
+  constexpr std::size_t kOfOptions = 30;
   const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+  if (first > 0 && line.size() > kOfOptions && line[first] == '-' && line[kOfOptions - 1] == ' ' &&
+      line[kOfOptions] != ' ')
+    return kOfOptions;
   const std::size_t gap = line.find("  ", first);
   return first == 0 || gap == std::string::npos ? first : line.find_first_not_of(' ', gap);
 }

@@ -11,6 +11,7 @@
 #include "robots/load/visual_shapes.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/view/base/figures.h"
+#include "tools/view/base/scene_names.h"
 #include "tools/view/document.h"
 #include "tools/view/picture.h"
 
@@ -43,16 +44,17 @@ constexpr const char* kIndexHead = R"(<!doctype html>
 body { font: 14px/1.4 system-ui, "DejaVu Sans", sans-serif; margin: 14px; background: #fff; color: #1c1e24 }
 h1 { font-size: 20px; margin: 0 0 4px } p { margin: 0 0 12px; color: var(--soft) }
 table { border-collapse: collapse; width: 100% }
-th, td { border-bottom: 1px solid var(--line); padding: 4px 8px; text-align: left; vertical-align: middle; overflow-wrap: anywhere }
+th, td { border-bottom: 1px solid var(--line); padding: 4px 8px; text-align: left; vertical-align: middle; overflow-wrap: break-word }
 .number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap }
 th { position: sticky; top: 0; background: #fff; white-space: nowrap }
 th button { font: inherit; font-weight: 600; border: 0; background: none; color: inherit; padding: 4px 0; cursor: pointer }
 th[aria-sort=ascending] button::after { content: " \25b2" } th[aria-sort=descending] button::after { content: " \25bc" }
 a { color: var(--accent) }
 .place { white-space: normal; color: var(--soft) }
-td img { width: 220px; height: 74px; object-fit: contain; display: block; background: #fff; border-radius: 4px }
+td img { width: 220px; height: 74px; object-fit: contain; display: block; border-radius: 4px }
 .soft { color: var(--soft) } .good { color: var(--good) } .bad { color: var(--bad) }
 @media (max-width: 760px) { body { margin: 8px } th, td { padding: 4px } .picture, .total { display: none } }
+@media (max-width: 480px) { .plan { display: none } td.number { white-space: normal } }
 @media (prefers-color-scheme: dark) { :root { --line: #3a3e47; --soft: #a3a9b5; --good: #2fc79a; --bad: #ff8a80; --accent: #56b4e9 } body, th { background: #15171b; color: #eceef2 } }
 </style>
 </head>
@@ -73,6 +75,16 @@ double totalOf(const nlohmann::ordered_json& time) {
   for (const char* stage : {"compile", "plan", "simplify", "improve", "push", "certify"})
     total += time.value(stage, 0.0);
   return total;
+}
+
+/// Escaped text with places for breaks behind the signs that part its words.
+std::string breakable(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    result += c;
+    if (std::string_view("/_-.").find(c) != std::string_view::npos) result += "<wbr>";
+  }
+  return result;
 }
 
 std::string replaced(std::string text, std::string_view word, const std::string& with) {
@@ -102,6 +114,10 @@ FolderPage folderPage(const Subject& subject, bool visual, std::vector<std::stri
   folder_page.name = subject.problem.name;
   folder_page.verdict = subject.verdict;
   folder_page.good = subject.good;
+  // Without the "; " before it.
+  if (const std::string moment = obstaclesText(subject.problem);
+      subject.decisions.empty() && !moment.empty())
+    folder_page.moment = moment.substr(2);
   const auto& [least, world, self] = subject.least;
   if (least.closest_segment >= 0) {
     const Timeline& timeline = subject.timeline;
@@ -119,12 +135,12 @@ void PageFolder::add(const std::string& problem, const nlohmann::ordered_json& l
                      const FolderPage& page) {
   if (folder_.empty()) return;
   const std::string title = escaped(titleOf(problem));
-  std::string name = title, picture;
+  std::string name = breakable(title), picture;
   if (!page.html.empty()) {
     const std::string file = fmt::format("{:04}", ++count_);
     planner::writeFileWhole(fmt::format("{}/{}.html", folder_, file), page.html);
     planner::writeFileWhole(fmt::format("{}/{}.svg", folder_, file), page.svg);
-    name = fmt::format("<a href=\"{}.html\">{}</a>", file, title);
+    name = fmt::format("<a href=\"{}.html\">{}</a>", file, breakable(title));
     picture = fmt::format(
         "<a href=\"{0}.html\"><img src=\"{0}.svg\" alt=\"{1}\" loading=\"lazy\"></a>", file, title);
   }
@@ -142,8 +158,10 @@ void PageFolder::add(const std::string& problem, const nlohmann::ordered_json& l
     plan = milliseconds(line["time_s"].value("plan", 0.0));
     total = milliseconds(totalOf(line["time_s"]));
   }
-  const std::string verdict =
-      page.html.empty() ? line.value("status", std::string("error")) : page.verdict;
+  std::string verdict =
+      escaped(page.html.empty() ? line.value("status", std::string("error")) : page.verdict);
+  if (page.good && !page.moment.empty())
+    verdict += fmt::format("<div class=\"place\">{}</div>", escaped(page.moment));
   const std::string clearance =
       page.clearance.empty()
           ? "data-v=\"\">"
@@ -154,9 +172,9 @@ void PageFolder::add(const std::string& problem, const nlohmann::ordered_json& l
                 page.time);
   rows_ += fmt::format(
       "<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"number\" {}</td>"
-      "<td class=\"number\" {}</td><td class=\"number total\" {}</td>"
+      "<td class=\"number plan\" {}</td><td class=\"number total\" {}</td>"
       "<td class=\"picture\">{}</td></tr>\n",
-      name, page.good ? "good" : "bad", escaped(verdict), clearance, plan, total, picture);
+      name, page.good ? "good" : "bad", verdict, clearance, plan, total, picture);
 }
 
 void PageFolder::finish() const {
@@ -171,7 +189,7 @@ void PageFolder::finish() const {
               "<p>{}, {} certified, {} not; {:.3g} s of planning, {:.3g} s in all. A click on a "
               "heading sorts.</p>\n<main>\n<table>\n<thead><tr><th><button>Problem</button></th>"
               "<th><button>Result</button></th><th class=\"number\"><button>Clearance</button></th>"
-              "<th class=\"number\"><button>Plan</button></th>"
+              "<th class=\"number plan\"><button>Plan</button></th>"
               "<th class=\"number total\"><button>In all</button></th>"
               "<th class=\"picture\"></th></tr></thead>\n<tbody>\n",
               plans, good_, rows_count_ - good_, plan_s_, total_s_) +

@@ -17,7 +17,8 @@ struct FolderPage {
   std::string nearest;     ///< the pair that has it; empty as `clearance`
   double time = 0;         ///< when the motion has it [s]
   std::string verdict;
-  bool good = false;  ///< as Subject's
+  std::string moment;  ///< for which it holds: "the obstacles stand as at 0 s"; else empty
+  bool good = false;   ///< as Subject's
 };
 /// `visual`: the page also draws the robot's visual shapes; those that are left out are added to
 /// `warnings`. May be called by several threads.

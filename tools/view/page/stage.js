@@ -105,12 +105,12 @@ export class Stage {
   // Looks at the middle of two points, across the line between them, from where least is in the way. What is nearer than the points is cut away.
   lookBetween(a, b, targets) {
     const middle = a.clone().add(b).multiplyScalar(0.5);
-    const gap = Math.max(a.distanceTo(b), 1e-4);
+    const gap = a.distanceTo(b) > 0 ? Math.max(a.distanceTo(b), 1e-5) : 1e-3;
     const along = a.distanceTo(b) > 0 ? b.clone().sub(a).normalize() : new Vector3(0, 0, 1);
     const side = new Vector3().crossVectors(along, Math.abs(along.z) < 0.9 ? this.camera.up : new Vector3(1, 0, 0)).normalize();
     const other = new Vector3().crossVectors(along, side);
-    // How far away the camera would be with the usual angle.
-    const away = Math.max(Math.min(Math.max(7 * gap, 0.03), 0.6), 2 * gap);
+    // How far away the camera would be with the usual angle: near enough that the dots at its ends are smaller than the gap.
+    const away = Math.max(Math.min(Math.max(7 * gap, Math.min(0.03, 25 * gap)), 0.6), 2 * gap);
     this.camera.fov = kGapAngle;
     const distance = away / this.spread;
     const ray = new Raycaster();
