@@ -479,6 +479,7 @@ Obstacles::Placement Obstacles::place(std::size_t group, double t0, double t1, b
     const auto there = cloud.own_scene.at(std::get<robots::Pose>(where.now));
     const auto grown = [&](double by) { return by > 0 ? there->withMarginsGrown(by) : there; };
     placed.growth = where.growth.most;
+    placed.growth_at_middle = where.growth.at_middle;
     placed.grown = grown(where.growth.most);
     if (with_middle) placed.middle = grown(where.growth.at_middle);
     return placed;
@@ -487,6 +488,7 @@ Obstacles::Placement Obstacles::place(std::size_t group, double t0, double t1, b
   for (std::size_t i = 0; i < solids_.size(); ++i) {
     const Bounded where = bounded(*solids_[i], t0, t1);
     placed.growth = std::max(placed.growth, where.growth.most);
+    placed.growth_at_middle = std::max(placed.growth_at_middle, where.growth.at_middle);
     grown.push_back({bodies_[i], 0, where.now, where.growth.most});
     middle.push_back({bodies_[i], 0, where.now, where.growth.at_middle});
   }

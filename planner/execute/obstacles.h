@@ -90,6 +90,7 @@ class Obstacles {
     std::shared_ptr<const CompiledScene> grown;   ///< at any of these times
     std::shared_ptr<const CompiledScene> middle;  ///< at the middle time; null if not asked for
     double growth = 0;                            ///< the largest growth in `grown` [m]
+    double growth_at_middle = 0;                  ///< and in `middle` [m]
   };
   Placement place(std::size_t group, double t0, double t1, bool with_middle);
 

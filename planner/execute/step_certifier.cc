@@ -160,14 +160,19 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
                                   Bodies& closest) {
   const ConfigurationSpace& space = scene_->space();
   Interval least{scene_->completeWithin(), kInfinity};
+  double kept = kInfinity;  // by the closest pair, whatever obstacles do within their bounds
+  const auto name = [&](const CompiledScene& scene, int pair, double keeps) {
+    if (!(keeps < kept)) return;
+    kept = keeps;
+    closest = names(scene, pair);
+  };
   const auto take = [&](const CompiledScene& scene, const EdgeClearance& edge, double growth,
                         double proven) {
     if (edge.pair < 0) return;
     least.lower = std::min(least.lower, std::max(edge.clearance.lower - growth, proven));
-    if (edge.clearance.upper + growth < least.upper) {
-      least.upper = edge.clearance.upper + growth;
-      closest = names(scene, edge.pair);
-    }
+    least.upper = std::min(least.upper, edge.clearance.upper + growth);
+    // An obstacle's growth over a whole part says little: its middle is asked below.
+    if (growth <= tolerance) name(scene, edge.pair, edge.clearance.upper);
   };
   const auto ask = [&](EdgeCertifier& certifier, std::span<const TimedPoint> part, double growth,
                        double proven) {
@@ -194,9 +199,16 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
     for (const auto& [t0, t1] : movers_[g].proven) {
       if (timeOf(t0) >= end) continue;
       const Obstacles::Placement& known = placement(g, t0, t1);
-      movers_[g].certifier->rebind(known.grown);
-      ask(*movers_[g].certifier, partOf(space, motion, timeOf(t0), timeOf(t1)), known.growth,
-          margin);
+      EdgeCertifier& moving = *movers_[g].certifier;
+      moving.rebind(known.grown);
+      ask(moving, partOf(space, motion, timeOf(t0), timeOf(t1)), known.growth, margin);
+      moving.rebind(known.middle);
+      const std::vector<TimedPoint> half =
+          partOf(space, motion, timeOf(t0), timeOf(t0) + (timeOf(t1) - timeOf(t0)) / 2);
+      const StateCheck state = moving.clearance(half.back().position, tolerance);
+      if (state.pair < 0) continue;
+      least.upper = std::min(least.upper, state.clearance.upper + known.growth_at_middle);
+      name(moving.scene(), state.pair, state.clearance.upper - known.growth_at_middle);
     }
   }
   return least;

@@ -195,7 +195,7 @@ TEST_F(Replan, TextAndLimits) {
   const Answer text = run("replan gate.yaml --text");
   EXPECT_EQ(text.status, 0);
   for (const char* word :
-       {"gate: reached", "wait", "plan", ", certified; every step kept", "seed 3"}) {
+       {"gate: reached", "wait", "plan", ", certified; least clearance", "seed 3"}) {
     EXPECT_NE(text.out.find(word), std::string::npos) << word << "\n" << text.out;
   }
   const Answer few = run("replan gate.yaml --steps 4 --seed 5");

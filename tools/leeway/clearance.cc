@@ -68,6 +68,7 @@ struct Stretch {
   Near world, self;
   Near all;  ///< the nearer of the two, with the lesser lower bound
   bool keeps_margins = false;
+  std::string failure;  ///< where it does not, if that is refuted
 };
 
 /// The clearance of a whole path from the world or of the robot from itself.
@@ -123,8 +124,15 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   std::vector<double> to(a.size());
   space.alongLine(a, b, stretch.t0, from);
   space.alongLine(a, b, stretch.t1, to);
-  stretch.keeps_margins = certifier.certify(from, to, planner::EdgeRequest::persistent()).verdict ==
-                          planner::Verdict::kFree;
+  const planner::EdgeCheck check = certifier.certify(from, to, planner::EdgeRequest::persistent());
+  stretch.keeps_margins = check.verdict == planner::Verdict::kFree;
+  if (check.verdict == planner::Verdict::kNotFree && check.pair >= 0) {
+    const PairNames names = pairNames(certifier.scene(), check.pair);
+    stretch.failure = fmt::format(
+        "{} and {} do not keep their margin of {:g} mm on edge {} at t = {:.3f}", names.a, names.b,
+        certifier.scene().scene().pairs()[at(check.pair)].margin * 1e3, segment,
+        stretch.t0 + check.t * (stretch.t1 - stretch.t0));
+  }
   const auto measured = [&](planner::Pairs pairs) {
     planner::EdgeClearance found;
     for (const double width : widths) {
@@ -303,11 +311,12 @@ void writeCsv(const std::string& file, const Profile& profile, bool steps) {
 }
 
 void writeSvg(const std::string& file, const planner::Problem& problem, const Profile& profile,
-              const view::Timeline& timeline, double margin) {
+              const view::Timeline& timeline, const std::set<double>& margins) {
   const std::string note = !profile.nothing_checked.empty() ? "nothing was checked"
                            : profile.certified ? "every edge is certified to keep its margins"
                                                : "not every edge is certified";
-  planner::writeFileWhole(file, profileSvg(problem.name, note, timeline, margin));
+  planner::writeFileWhole(
+      file, profileSvg(problem.name, note + obstaclesText(problem), timeline, margins));
 }
 
 /// The clearance of a whole path, with the place where it is least.
@@ -362,6 +371,16 @@ std::string stretchTable(const Profile& profile, bool steps, bool parts) {
   return formatTable(heading, rows, {from - (steps ? 1U : 0U), from, from + 3, from + 4});
 }
 
+/// Sentences: the first stretches that do not keep their margins, which other pairs may be below.
+std::string failuresText(const Profile& profile) {
+  constexpr int kShown = 3;
+  std::string text;
+  int count = 0;
+  for (const Stretch& stretch : profile.stretches)
+    if (!stretch.failure.empty() && ++count <= kShown) text += stretch.failure + ".\n";
+  return count <= kShown ? text : text + fmt::format("{} more do not.\n", count - kShown);
+}
+
 void printText(const planner::Problem& problem, const Profile& profile,
                const view::LeastClearance& least, bool parts) {
   if (!profile.nothing_checked.empty()) {
@@ -377,7 +396,8 @@ void printText(const planner::Problem& problem, const Profile& profile,
              wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict, view::leastText(least),
                                  obstaclesText(problem))),
              table.empty() ? "" : "\n", table, table.empty() ? "" : "\n",
-             wrapped(view::nearestText(least) + planner::toString(profile.unchecked()) + ".\n" +
+             wrapped(view::nearestText(least) + failuresText(profile) +
+                     planner::toString(profile.unchecked()) + ".\n" +
                      (profile.broken.empty() ? constraintsText(problem, profile.constraints)
                                              : fmt::format("The {}.\n", profile.broken))));
 }
@@ -443,10 +463,12 @@ int runClearance(ClearanceArguments& arguments) {
   }
   if (!arguments.view.file.empty()) view::writePage(arguments.view, *subject);
   if (!arguments.svg.empty()) {
-    double margin = kInfinity;
+    std::set<double> margins;
     for (const view::Stage& stage : stages)
-      if (stage.scene) margin = std::min(margin, leastMargin(*stage.scene));
-    writeSvg(arguments.svg, problem, profile, subject->timeline, margin);
+      if (stage.scene)
+        for (const collision::ScenePair& pair : stage.scene->scene().pairs())
+          margins.insert(pair.margin);
+    writeSvg(arguments.svg, problem, profile, subject->timeline, margins);
   }
   if (!arguments.csv.empty()) {
     writeCsv(arguments.csv, profile, steps);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/path_io.h"
@@ -22,6 +23,7 @@
 #include "tools/leeway/view/page_options.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/base/output_file.h"
+#include "tools/view/executed_clearance.h"
 
 namespace leeway::tools {
 namespace {
@@ -117,14 +119,20 @@ class Rows {
     }
   }
 
-  std::string text() const {
+  std::string text(const view::ExecutedClearance& executed) const {
+    const planner::Interval& least = executed.least.all.clearance;
+    const double time = executed.all().time;
     std::vector<std::vector<std::string>> rows;
     for (const Run& run : runs_) {
-      rows.push_back(
-          {fmt::format("{:.2f}", run.begin), fmt::format("{:.2f}", run.end), run.decision,
-           fmt::format("{}", run.steps),
-           std::isfinite(run.clearance) ? ">= " + formatLower(run.clearance * 1e3, 2) : "-",
-           fmt::format("{:.1f}", run.compute * 1e3), run.because});
+      const double clearance =
+          std::isfinite(run.clearance) ? std::max(run.clearance, least.lower) : run.clearance;
+      const auto figure = run.begin <= time && time <= run.end ? figureOf(least) : std::nullopt;
+      rows.push_back({fmt::format("{:.2f}", run.begin), fmt::format("{:.2f}", run.end),
+                      run.decision, fmt::format("{}", run.steps),
+                      figure                     ? *figure
+                      : std::isfinite(clearance) ? ">= " + formatLower(clearance * 1e3, 2)
+                                                 : "-",
+                      fmt::format("{:.1f}", run.compute * 1e3), run.because});
     }
     return formatTable(
         {"from [s]", "to [s]", "decision", "steps", "keeps [mm]", "longest [ms]", "in the way"},
@@ -144,7 +152,8 @@ class Rows {
 };
 
 /// The first line: the verdict, and the proven bounds.
-std::string verdictLine(const planner::Problem& problem, const planner::ReplanResult& result) {
+std::string verdictLine(const planner::Problem& problem, const planner::ReplanResult& result,
+                        const view::ExecutedClearance& executed) {
   const bool nothing_checked = result.status == planner::ReplanStatus::kNothingChecked;
   const bool good = result.status == planner::ReplanStatus::kReached && result.certified;
   std::string words = nothing_checked ? "nothing checked" : planner::toString(result.status);
@@ -155,27 +164,26 @@ std::string verdictLine(const planner::Problem& problem, const planner::ReplanRe
   else if (!nothing_checked && !result.certified)
     proven = "the last step could not be certified";
   else if (!nothing_checked)
-    proven = std::isfinite(result.clearance.lower)
-                 ? fmt::format("every step kept at least {} mm while the obstacles moved",
-                               formatLower(result.clearance.lower * 1e3, 2))
-                 : "there was nothing else that it could touch";
+    proven = view::keptText(executed);
   return wrapped(fmt::format("{}: {}; {}\n", problem.name, verdictText(words, good), proven));
 }
 
-std::string summaryText(const planner::ReplanResult& result) {
+std::string summaryText(const planner::ReplanResult& result,
+                        const view::ExecutedClearance& executed) {
   const double lasted = result.trajectory.empty()
                             ? 0
                             : result.trajectory.back().time - result.trajectory.front().time;
   const auto some = [](int count, const char* what) {
     return counted(static_cast<std::size_t>(count), what);
   };
-  return wrapped(
-      fmt::format("{}.\n{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
-                  "Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n",
-                  planner::toString(result.unchecked), lasted, some(result.steps, "step"),
-                  some(result.plans, "plan"), result.replans, some(result.waits, "wait"),
-                  some(result.evasions, "evasion"), result.seed, result.compute_s,
-                  result.longest_step_s * 1e3));
+  const std::string nearest = view::nearestText(executed, result.certified);
+  return wrapped(nearest + (nearest.empty() ? "" : "\n") +
+                 fmt::format("{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
+                             "Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n",
+                             lasted, some(result.steps, "step"), some(result.plans, "plan"),
+                             result.replans, some(result.waits, "wait"),
+                             some(result.evasions, "evasion"), result.seed, result.compute_s,
+                             result.longest_step_s * 1e3));
 }
 
 /// Warns of pairs that are checked although they touch at zero, and of parts of the problem that an
@@ -208,7 +216,7 @@ class StepLog {
       : problem_(problem),
         most_steps_(arguments.steps),
         json_(json),
-        keep_(!arguments.view.file.empty()),
+        keep_(!json || !arguments.view.file.empty()),
         keep_lines_(isLog(arguments.output)) {}
 
   void add(const planner::ReplanStep& step) {
@@ -235,7 +243,7 @@ class StepLog {
   }
 
   const std::vector<planner::ReplanStep>& kept() const { return kept_; }
-  std::string table() const { return rows_.text(); }
+  std::string table(const view::ExecutedClearance& executed) const { return rows_.text(executed); }
   /// Those of all steps, if they are written to a file.
   const std::string& lines() const { return lines_; }
 
@@ -286,7 +294,10 @@ int runReplan(const ReplanArguments& arguments) {
   if (json) {
     fmt::print("{}", end);
   } else {
-    fmt::print("{}\n{}\n{}", verdictLine(problem, result), log.table(), summaryText(result));
+    const view::ExecutedClearance executed = view::executedClearance(
+        problem, std::make_shared<const planner::CompiledScene>(problem), log.kept(), interrupted);
+    fmt::print("{}\n{}\n{}", verdictLine(problem, result, executed), log.table(executed),
+               summaryText(result, executed));
   }
   return result.status == planner::ReplanStatus::kReached && result.certified ? kYes : kNo;
 }

@@ -472,6 +472,7 @@ class Document {
     document["margins"] = {{"world", margins(false)}, {"self", margins(true)}};
     document["obstacles"] = obstaclesText(subject_.problem);
     document["shown"] = subject_.shown;
+    document["measured_throughout"] = subject_.measured_throughout;
     document["widest"] =
         std::holds_alternative<planner::MaximumClearance>(subject_.problem.objective);
     // Objectives other than length are refused with them.
@@ -523,6 +524,7 @@ class Document {
                        {"points", pack_.add(points)}});
     }
     document["pairs"] = pairs;
+    document["failing"] = timeline.failing;
   }
 
   void addJoints(Json& document) {

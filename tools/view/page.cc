@@ -130,7 +130,8 @@ void writePage(const std::string& file, const planner::Problem& problem,
   if (options.compared || !options.searched.empty())
     throw std::invalid_argument("an execution has no path to compare and no search to show");
   Stop stop(options.stop);
-  Subject subject = tools::view::subjectOfExecution(problem, options.source, steps, status);
+  Subject subject =
+      tools::view::subjectOfExecution(problem, options.source, steps, status, stop.callback());
   subject.path_file = options.label;
   write(file, subject, nullptr, options, stop);
 }

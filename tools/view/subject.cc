@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/verify.h"
@@ -16,6 +17,7 @@
 #include "tools/view/base/figures.h"
 #include "tools/view/base/pairs_too_near.h"
 #include "tools/view/base/scene_names.h"
+#include "tools/view/executed_clearance.h"
 
 namespace leeway::tools::view {
 namespace {
@@ -78,7 +80,9 @@ std::string endNote(const Subject& subject, const End& end) {
                         end.name, names.a, names.b, clearanceText(clearance),
                         end.closest.margin * 1e3);
   const std::vector<PairNames> pairs = pairsTooNear(*subject.first_scene, end.position, names);
-  if (pairs.size() > 1)
+  if (pairs.size() == 2)
+    text += fmt::format(" Both pairs that are too near: {}.", pairsText(pairs));
+  else if (pairs.size() > 2)
     text += fmt::format(" All {} pairs that are too near: {}.", pairs.size(), pairsText(pairs));
   if (end.way_out.norm() > 0)
     text += fmt::format(" The arrow shows a way out for {} alone: {} mm.", names.a,
@@ -87,13 +91,16 @@ std::string endNote(const Subject& subject, const End& end) {
 }
 
 /// The start and the goals.
-void noteEnds(Subject& subject) {
+void noteEnds(Subject& subject, bool is_executed = false) {
   for (const End& end : subject.ends) {
     if (end.unreachable())
       subject.notes.push_back(
           fmt::format("No configuration was found for {}: its pose is drawn.", end.name));
     if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
-      subject.notes.push_back(endNote(subject, end));
+      subject.notes.push_back((is_executed ? fmt::format("With the obstacles as at {:g} s: ",
+                                                         subject.problem.execution.start)
+                                           : "") +
+                              endNote(subject, end));
   }
 }
 
@@ -152,8 +159,9 @@ void checkWaypoints(const planner::Path& path, Subject& subject) {
   }
 }
 
-/// Certifies each edge, and notes those that fail.
-void certifyPath(const planner::PathEdges& edges, Subject& subject) {
+/// Certifies each edge, and notes those that fail. Returns their places: edge and t.
+std::vector<std::pair<int, double>> certifyPath(const planner::PathEdges& edges, Subject& subject) {
+  std::vector<std::pair<int, double>> failures;
   planner::EdgeCertifier certifier(subject.scene);
   const planner::Path& path = edges.path;
   for (std::size_t i = 0; i < edges.places.size(); ++i) {
@@ -162,6 +170,7 @@ void certifyPath(const planner::PathEdges& edges, Subject& subject) {
     if (check.verdict == planner::Verdict::kFree) continue;
     const planner::PathEdges::Place& place = edges.places[i];
     const double t = place.along(check.t);
+    failures.emplace_back(static_cast<int>(i), check.t);
     subject.good = false;
     const PairNames names = pairNames(*subject.scene, check.pair);
     const char* what =
@@ -171,6 +180,7 @@ void certifyPath(const planner::PathEdges& edges, Subject& subject) {
                                 : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", place.segment,
                                               what, t, names.a, names.b));
   }
+  return failures;
 }
 
 /// A path whose columns have names: those of the planned variables.
@@ -202,21 +212,22 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   subject.least = leastClearance(subject.stages, edges, stop);
   if (certificate != nullptr)
     narrow(subject.least, *certificate, certificate->world, certificate->self);
-  subject.timeline = timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least);
   std::string nothing;
   for (const Stage& stage : subject.stages)
     if (nothing.empty() && stage.scene) nothing = stage.scene->nothingChecked();
+  std::vector<std::pair<int, double>> failures;
+  subject.good = nothing.empty();
   if (!nothing.empty()) {
     noteNothingChecked(nothing, subject);
-    return subject;
-  }
-  subject.good = true;
-  if (problem.steps.empty() && problem.constraints.empty()) {
+  } else if (problem.steps.empty() && problem.constraints.empty()) {
     checkWaypoints(given, subject);
-    certifyPath(edges, subject);
+    failures = certifyPath(edges, subject);
   } else {
     verifyTask(path, subject);
   }
+  subject.timeline =
+      timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least, failures);
+  if (!nothing.empty()) return subject;
   subject.verdict = subject.good ? "certified" : "not certified";
   if (subject.good) noteClearances(subject);
   if (subject.good && !problem.constraints.empty())
@@ -293,38 +304,31 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
 
 Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
                            const std::vector<planner::ReplanStep>& steps,
-                           planner::ReplanStatus status) {
+                           planner::ReplanStatus status, const std::function<bool()>& stop) {
   Subject subject = begin(problem, source);
   const Stage whole{{}, {}, 0, 0, problem, subject.scene};
-  subject.timeline =
-      steps.empty() ? timelineOfState(problem, subject.scene, whole, subject.ends.front().position)
-                    : timelineOfSteps(problem, subject.scene, steps);
-  for (const planner::ReplanStep& step : steps)
-    subject.decisions.emplace_back(step.time, toString(step.decision));
+  const ExecutedClearance executed = executedClearance(problem, subject.scene, steps, stop);
   const bool certified = std::all_of(steps.begin(), steps.end(),
                                      [](const planner::ReplanStep& s) { return s.certified; });
+  subject.least = executed.least;
+  subject.measured_throughout = executed.is_known && certified;
+  subject.timeline =
+      steps.empty() ? timelineOfState(problem, subject.scene, whole, subject.ends.front().position)
+                    : timelineOfSteps(problem, subject.scene, steps, executed);
+  for (const planner::ReplanStep& step : steps)
+    subject.decisions.emplace_back(step.time, toString(step.decision));
   subject.good = status == planner::ReplanStatus::kReached && certified;
   subject.verdict = fmt::format("{}{}", toString(status), subject.good ? ", certified" : "");
   if (status == planner::ReplanStatus::kNothingChecked)
     noteNothingChecked(subject.scene->nothingChecked(), subject);
-  double lower = kInfinity;
-  const planner::ReplanStep* nearest = nullptr;
-  for (const planner::ReplanStep& step : steps) {
-    lower = std::min(lower, step.clearance.lower);
-    if (!step.closest_a.empty() &&
-        (nearest == nullptr || step.clearance.upper < nearest->clearance.upper))
-      nearest = &step;
-  }
-  if (certified && std::isfinite(lower))
-    subject.notes.push_back(
-        fmt::format("Every step is proven to keep at least {} mm while the obstacles move.",
-                    formatLower(lower * 1e3, 2)));
-  if (nearest != nullptr)
-    subject.notes.push_back(fmt::format("Nearest: {} and {}, {}, in the step from {:.2f} s on.",
-                                        nearest->closest_a, nearest->closest_b,
-                                        clearanceText(nearest->clearance), nearest->time));
+  if (!certified)
+    subject.notes.push_back(fmt::format("At {:.2f} s: {}.", steps.back().time, steps.back().why));
+  else if (!steps.empty())
+    subject.notes.push_back(fmt::format("Every step is proven: {}.", keptText(executed)));
+  if (std::string nearest = nearestText(executed, certified); !nearest.empty())
+    subject.notes.push_back(std::move(nearest));
   noteClouds(subject);
-  noteEnds(subject);
+  noteEnds(subject, true);
   return subject;
 }
 

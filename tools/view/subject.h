@@ -26,7 +26,7 @@ struct Subject {
   std::vector<Stage> stages;  ///< of a path
   std::vector<End> ends;
   Timeline timeline;
-  LeastClearance least;            ///< of a path
+  LeastClearance least;            ///< of a path or of an execution
   std::string shown;               ///< if nothing moves: "start", or the goal that is not valid
   std::string verdict;             ///< one word: "certified", "unsolved", ...
   bool good = false;               ///< whether this is the wanted result
@@ -36,6 +36,8 @@ struct Subject {
   std::vector<std::string> warnings = {};  ///< of loaders and scene, without this machine's folders
   std::vector<planner::BlockedPair> blocked = {};  ///< of a plan without a path
   std::string path_file = {};  ///< where the path comes from: its file, or "plan"
+  /// Of an execution: its least clearance is known, not only that of moments.
+  bool measured_throughout = false;
 };
 
 /// The subject of a plan, of a path, of an execution, of the start alone. Each function compiles
@@ -49,7 +51,7 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
                       const std::function<bool()>& stop = {});
 Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
                            const std::vector<planner::ReplanStep>& steps,
-                           planner::ReplanStatus status);
+                           planner::ReplanStatus status, const std::function<bool()>& stop = {});
 Subject subjectOfStart(const planner::Problem& problem, const std::string& source);
 
 }  // namespace leeway::tools::view

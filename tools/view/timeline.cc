@@ -8,6 +8,8 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/kinematics.h"
+#include "tools/view/base/pairs_too_near.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools::view {
 namespace {
@@ -394,6 +396,44 @@ void raiseBounds(const LeastClearance& least, Timeline& timeline) {
   }
 }
 
+/// Finds the pair that is farthest below its margin at any moment.
+class Failing {
+ public:
+  /// Looks at a moment, whose robot and obstacles are those of the certifier's scene.
+  void look(EdgeCertifier& certifier, const CompiledScene& shown, const Moment& moment) {
+    const planner::StateCheck check = certifier.tooNear(moment.position, kMomentTolerance);
+    const Pair pair = pairOf(check, certifier.scene(), shown);
+    const double beyond = check.clearance.upper - pair.margin;
+    if (pair.a < 0 || pair.b < 0 || !(beyond <= 0 && beyond < beyond_)) return;
+    beyond_ = beyond;
+    pair_ = pair;
+  }
+
+  bool found() const { return pair_.a >= 0; }
+  /// Adds the pair to the timeline's pairs, unless the nearest pair does not keep its margin
+  /// either.
+  void add(Timeline& timeline) const {
+    const Nearest* nearest = nullptr;
+    for (const Moment& moment : timeline.moments)
+      for (const Nearest* near : {&moment.world, &moment.self})
+        if (near->pair.a >= 0 &&
+            (nearest == nullptr || near->clearance.upper < nearest->clearance.upper))
+          nearest = near;
+    if (pair_.a < 0 || nearest == nullptr || nearest->clearance.upper <= nearest->pair.margin)
+      return;
+    const auto is_it = [&](const PairCurve& curve) {
+      return std::minmax(curve.pair.a, curve.pair.b) == std::minmax(pair_.a, pair_.b);
+    };
+    auto found = std::find_if(timeline.pairs.begin(), timeline.pairs.end(), is_it);
+    if (found == timeline.pairs.end()) found = timeline.pairs.insert(found, {pair_, {}, {}, {}});
+    timeline.failing = static_cast<int>(found - timeline.pairs.begin());
+  }
+
+ private:
+  Pair pair_;
+  double beyond_ = kInfinity;
+};
+
 /// Adds the pairs of bodies that come nearest, among those that are the nearest of a body at a
 /// moment, without their distances.
 void choosePairs(Timeline& timeline) {
@@ -414,8 +454,10 @@ void choosePairs(Timeline& timeline) {
 }
 
 /// Adds these pairs of a path.
-void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Timeline& timeline) {
+void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, const Failing& failing,
+              Timeline& timeline) {
   choosePairs(timeline);
+  failing.add(timeline);
   std::size_t m = 0;
   for (const Stage& stage : stages) {
     if (!stage.scene) continue;
@@ -428,8 +470,9 @@ void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Time
 
 /// Adds the same pairs of an execution, with the obstacles where they were.
 void addPairs(const planner::Problem& problem, const std::shared_ptr<const CompiledScene>& scene,
-              Timeline& timeline) {
+              const Failing& failing, Timeline& timeline) {
   choosePairs(timeline);
+  failing.add(timeline);
   Obstacles obstacles(problem, scene);
   BodyClearances bodies(scene, 1);
   for (const Moment& moment : timeline.moments) {
@@ -443,7 +486,8 @@ void addPairs(const planner::Problem& problem, const std::shared_ptr<const Compi
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const CompiledScene>& scene,
                         const planner::PathEdges& edges, const std::vector<Stage>& stages,
-                        const LeastClearance& least) {
+                        const LeastClearance& least,
+                        const std::vector<std::pair<int, double>>& failures) {
   const planner::Path& path = edges.path;
   // Leaves out blends, because a page shows the edges that the certificate covers.
   const planner::ConfigurationSpace& space = scene->space();
@@ -455,11 +499,14 @@ Timeline timelineOfPath(const planner::Problem& problem,
   const std::vector<LeastPlace> places = leastPlaces(trajectory, space, edges, least);
   std::vector<double> times = timeline.waypoint_times;
   for (const LeastPlace& place : places) times.push_back(place.time);
+  for (const auto& [edge, t] : failures)
+    if (const auto time_of = trajectory.passes(edge, t)) times.push_back(*time_of);
   const int count = momentsFor(*scene);
   for (int i = 0; i <= count; ++i) times.push_back(trajectory.duration() * i / count);
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
 
+  Failing failing;
   std::size_t waypoint = 0;
   auto time = times.begin();
   for (const Stage& stage : stages) {
@@ -481,6 +528,7 @@ Timeline timelineOfPath(const planner::Problem& problem,
         if (place.time == *time) moment.position = place.position;
       moment.stage = static_cast<int>(&stage - stages.data());
       measure(certifier, *stage.scene, *scene, moment);
+      failing.look(certifier, *scene, moment);
       moment.placed = placedObjects(problem, *scene, stage.problem, moment.position);
       timeline.body_clearance.push_back(
           inShown(bodies.clearancesAt(moment.position), *stage.scene, *scene));
@@ -492,19 +540,21 @@ Timeline timelineOfPath(const planner::Problem& problem,
   findLeast(timeline);
   keepPlaces(places, *scene, timeline);
   raiseBounds(least, timeline);
-  addPairs(stages, *scene, timeline);
+  addPairs(stages, *scene, failing, timeline);
   return timeline;
 }
 
 Timeline timelineOfSteps(const planner::Problem& problem,
                          const std::shared_ptr<const CompiledScene>& scene,
-                         const std::vector<planner::ReplanStep>& steps) {
+                         const std::vector<planner::ReplanStep>& steps,
+                         const ExecutedClearance& executed) {
   Timeline timeline;
   if (steps.empty()) return timeline;
   const planner::ConfigurationSpace& space = scene->space();
   Obstacles obstacles(problem, scene);
   EdgeCertifier certifier(scene);
   BodyClearances bodies(scene, steps.size() + 1);
+  Failing failing;
   const std::size_t most =
       std::min(kFrames, kFrameVertices / std::max<std::size_t>(obstacles.vertexCount(), 1) + 1);
   const std::size_t every = (steps.size() + most) / most;
@@ -517,13 +567,33 @@ Timeline timelineOfSteps(const planner::Problem& problem,
     Moment moment{time, std::move(position), {}, {}};
     moment.placed = obstacles.placedAt(time);
     measure(certifier, *scene, *scene, moment);
+    failing.look(certifier, *scene, moment);
     timeline.body_clearance.push_back(bodies.clearancesAt(moment.position));
     timeline.moments.push_back(std::move(moment));
   };
+  std::vector<LeastPlace> places;
+  if (executed.is_known)
+    for (const bool is_self : {false, true}) {
+      const ExecutedPlace& place = is_self ? executed.self : executed.world;
+      if (!place.position.empty())
+        places.push_back({place.time, place.position,
+                          is_self ? &executed.least.self : &executed.least.world, is_self});
+    }
+  std::sort(places.begin(), places.end(),
+            [](const LeastPlace& a, const LeastPlace& b) { return a.time < b.time; });
   for (const planner::ReplanStep& step : steps) {
+    const planner::Interval bounds{
+        step.certified ? std::max(step.clearance.lower, executed.least.all.clearance.lower)
+                       : -kInfinity,
+        step.certified ? step.clearance.upper : kInfinity};
+    const double end = step.motion.back().time;
     add(step.time, positionAt(space, step.motion, step.time), false);
-    timeline.stretches.push_back(step.certified ? step.clearance
-                                                : planner::Interval{-kInfinity, kInfinity});
+    timeline.stretches.push_back(bounds);
+    for (const LeastPlace& place : places) {
+      if (!(place.time > timeline.moments.back().time && place.time < end)) continue;
+      add(place.time, place.position, false);
+      timeline.stretches.push_back(bounds);
+    }
   }
   const planner::TimedPoint& end = steps.back().motion.back();
   if (end.time > timeline.moments.back().time)
@@ -532,7 +602,15 @@ Timeline timelineOfSteps(const planner::Problem& problem,
     timeline.stretches.pop_back();
   keepLeast(timeline);
   findLeast(timeline);
-  addPairs(problem, scene, timeline);
+  // Steps that are not certified may have come nearer.
+  std::erase_if(places, [&](const LeastPlace& place) {
+    const int least = place.is_self ? timeline.least_self : timeline.least_world;
+    const Moment& moment = timeline.moments[at(std::max(least, 0))];
+    return (place.is_self ? moment.self : moment.world).clearance.upper <
+           place.least->clearance.upper - kMomentTolerance;
+  });
+  keepPlaces(places, *scene, timeline);
+  addPairs(problem, scene, failing, timeline);
   return timeline;
 }
 
@@ -545,7 +623,18 @@ Timeline timelineOfState(const planner::Problem& problem,
   Moment moment{0, position, {}, {}};
   measure(certifier, *stage.scene, *scene, moment);
   moment.placed = placedObjects(problem, *scene, stage.problem, position);
+  Failing failing;
+  failing.look(certifier, *scene, moment);
+  if (moment.check.pair >= 0 && failing.found()) {
+    const auto body = [&](const std::string& name) { return scene->scene().find(name); };
+    for (const PairNames& names :
+         pairsTooNear(*stage.scene, position, pairNames(*stage.scene, moment.check.pair)))
+      if (const Pair pair{body(names.a), body(names.b)}; pair.a >= 0 && pair.b >= 0)
+        timeline.pairs.push_back({pair, {}, {}, {}});
+  }
   timeline.moments.push_back(std::move(moment));
+  failing.add(timeline);
+  for (PairCurve& curve : timeline.pairs) bodies.measure(position, *scene, curve);
   timeline.body_clearance.push_back(inShown(bodies.clearancesAt(position), *stage.scene, *scene));
   keepLeast(timeline);
   findLeast(timeline);

@@ -2,12 +2,14 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
+#include "tools/view/executed_clearance.h"
 #include "tools/view/least_clearance.h"
 #include "tools/view/stages.h"
 
@@ -64,9 +66,14 @@ struct Timeline {
   /// The same for the world and for the robot itself; empty for an execution.
   std::vector<planner::Interval> world_stretches, self_stretches;
   /// The moments of the least clearances; -1: nothing is near. For a path, these are the places of
-  /// leastClearance(), with its intervals.
+  /// leastClearance(), with its intervals; for an execution, those of executedClearance(), unless a
+  /// moment was nearer that is not certified.
   int least_world = -1, least_self = -1;
-  std::vector<PairCurve> pairs;  ///< the nearest pairs, nearest first
+  /// The nearest pairs, nearest first; of a single moment, those that do not keep their margins.
+  std::vector<PairCurve> pairs;
+  /// Of `pairs`, one that does not keep its margin although the nearest pair does: margins differ.
+  /// -1: there is none.
+  int failing = -1;
   /// The clearance of each moving body at each moment, [moment][body of the scene], and the least
   /// of every body over all moments. Upper bounds [m]. Infinity: nothing is near that it is checked
   /// against, or it was not measured because there is too much to measure.
@@ -79,17 +86,21 @@ struct Timeline {
 
 /// The path at the velocities of the problem's execution, at rest in each waypoint, among the
 /// obstacles as they are at the start of the execution. Has about 250 moments, one for each
-/// waypoint, and those of `least`; fewer if a scene has very many pairs. Each stretch of a task is
-/// in the world of its step. `stages` belong to `edges.path`.
+/// waypoint, those of `least` and those of `failures`; fewer if a scene has very many pairs. Each
+/// stretch of a task is in the world of its step. `stages` belong to `edges.path`. `failures`:
+/// edges and places on them where a margin is not kept.
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const planner::CompiledScene>& scene,
                         const planner::PathEdges& edges, const std::vector<Stage>& stages,
-                        const LeastClearance& least);
+                        const LeastClearance& least,
+                        const std::vector<std::pair<int, double>>& failures = {});
 
-/// The executed motion with one moment per step, and the obstacles as they moved.
+/// The executed motion with one moment per step and those of `executed`, and the obstacles as they
+/// moved.
 Timeline timelineOfSteps(const planner::Problem& problem,
                          const std::shared_ptr<const planner::CompiledScene>& scene,
-                         const std::vector<planner::ReplanStep>& steps);
+                         const std::vector<planner::ReplanStep>& steps,
+                         const ExecutedClearance& executed);
 
 /// A single moment at the given point of the space, in the world of a stage.
 Timeline timelineOfState(const planner::Problem& problem,

@@ -186,11 +186,11 @@ std::string legend(const std::vector<Series>& series, double y) {
 }  // namespace
 
 std::string profileSvg(const std::string& title, const std::string& note,
-                       const view::Timeline& timeline, double margin) {
+                       const view::Timeline& timeline, const std::set<double>& margins) {
   std::vector<Series> series = {{"proven", kStrokes[0], {}},
                                 {"from the world", kStrokes[1], {}},
                                 {"from itself", kStrokes[2], {}},
-                                {"margin", kStrokes[3], {}}};
+                                {margins.size() > 1 ? "margins" : "margin", kStrokes[3], {}}};
   double lowest = 0;  // the axis holds 0, so that no small change looks like a large one
   const auto add = [&](std::size_t which, double time, double clearance) {
     series[which].points.push_back({time, shown(clearance)});
@@ -203,8 +203,10 @@ std::string profileSvg(const std::string& title, const std::string& note,
     if (i >= timeline.stretches.size()) continue;
     for (const std::size_t end : {i, i + 1}) add(0, moments[end].time, timeline.stretches[i].lower);
   }
-  if (std::isfinite(margin))
+  for (const double margin : margins) {
     for (const view::Moment* end : {&moments.front(), &moments.back()}) add(3, end->time, margin);
+    add(3, kNothing, kNothing);  // ends the line
+  }
 
   const double width =
       2 * kMargin +

@@ -608,7 +608,7 @@ class App {
     const closest = near.at(this.moment);
     const still = this.motion.duration === 0;
     const proven = this.time === this.motion.times[this.moment] ? near.provenAt(this.moment) : near.proven(Math.min(this.motion.momentBefore(this.time), data.proven.all.length - 1));
-    const decision = data.decisions.length > 0 ? data.decisions[Math.min(this.motion.momentBefore(this.time), data.decisions.length - 1)][1] : null;
+    const decision = data.decisions.filter(([time], i) => i === 0 || time <= this.time).at(-1)?.[1] ?? null;
     const name = near.choices().find(([value]) => value === near.choice)[1];
     const lines = [];
     if (still && data.shown) lines.push(element('span', { id: 'shown', text: data.shown }));

@@ -6,8 +6,9 @@ export class Nearness {
     this.data = data;
     this.pairs = data.pairs.map((pair) => ({ ...pair, distance: array(pair.distance), points: array(pair.points) }));
     const upper = (group) => data[group][data.least[group]]?.upper ?? Infinity;
-    // The certificate's least clearance is the nearer of the two.
+    // The certificate's least clearance is the nearer of the two. Where margins differ, another pair may be too near.
     this.choice = upper('self') < upper('world') ? 'self' : 'world';
+    if (data.failing >= 0) this.choice = `${data.failing}`;
     this.certificate = this.choice;
   }
   // [value, name] of everything that can be chosen.

@@ -227,7 +227,7 @@ export class ClearancePlot extends Plot {
     this.cursor();
     this.tell((moment) => this.lines(moment));
   }
-  // The stretches of time whose moments have a pair that is not farther apart than its margin, world and robot alike.
+  // The stretches of time whose moments have a pair that is not farther apart than its margin.
   collisions() {
     if (this.tooNear) return this.tooNear;
     const { near, motion, data } = this.app;
@@ -235,7 +235,7 @@ export class ClearancePlot extends Plot {
     this.tooNear = [];
     let last = null;
     data.world.forEach((_, i) => {
-      if (!isNear(near.at(i, 'world')) && !isNear(near.at(i, 'self'))) { last = null; return; }
+      if (!['world', 'self', ...near.pairs.keys()].some((choice) => isNear(near.at(i, `${choice}`)))) { last = null; return; }
       if (last) last[1] = motion.times[i];
       else this.tooNear.push(last = [motion.times[i], motion.times[i]]);
     });
@@ -301,6 +301,7 @@ export class ClearancePlot extends Plot {
     const dash = (group) => (choice === group ? [] : [5, 3]);
     const entries = [['proven', colour.proven, []], ['world', this.colourOf('world'), dash('world')], ['itself', this.colourOf('self'), dash('self')], ['margin', colour.margin, [6, 4]], ['least', colour.nearest, null]];
     if (this.collisions().length > 0) entries.push(['too near', colour.collision, []]);
+    for (const decision of new Set(this.app.data.decisions.map(([, of]) => of))) if (decisionColour(decision)) entries.push([decision, decisionColour(decision), []]);
     if (this.other[choice]) entries.splice(3, 0, [this.app.compared.label, colour.compared, []]);
     if (!this.groups[choice]) entries.splice(1, 0, ['pair', this.colourOf(choice), []]);
     if (this.keep !== null && choice === 'world') entries.splice(4, 0, ['kept from the world', colour.margin, [2, 3]]);

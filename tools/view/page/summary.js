@@ -39,11 +39,11 @@ export function headline(app) {
   const proven = `${isProven ? '' : 'not '}proven ${where}`;
   if (!place) return `${proven}; nothing else is near`;
   const { near, moment } = place;
-  if (near.upper <= near.margin && !data.good) {
+  if (near.upper <= near.margin && !isProven) {
     const ends = executed ? '' : endsText(app);
     return `refuted: ${data.bodies[near.a]} and ${data.bodies[near.b]}, ${distanceText(near)} (margin ${+(near.margin * 1e3).toFixed(3)} mm), at ${motion.times[moment].toFixed(2)} s${ends ? `; ${ends}` : ''}`;
   }
-  const what = data.good && !executed ? 'least clearance' : 'nearest where it was measured';
+  const what = (executed ? data.measured_throughout : data.good) ? 'least clearance' : 'nearest where it was measured';
   return `${proven}; ${what} ${distanceText(near)} (margin ${+(near.margin * 1e3).toFixed(3)} mm): ${data.bodies[near.a]} and ${data.bodies[near.b]}, at ${motion.times[moment].toFixed(2)} s`;
 }
 
@@ -54,16 +54,19 @@ function directionText(way) {
   return `(${way.toArray().map((part) => (Math.round(100 * part) / 100 + 0).toFixed(2).replace('-', '\u2212')).join(', ')})`;
 }
 
+// Whether an obstacle of an execution moves by a motion of its own, or deforms.
+const movesItself = (app, body) => app.data.decisions.length > 0 && (app.driven.has(body) || app.deformable.has(body));
+
 // The direction in which an object of the world would have to move for the tightest place to get wider, to first order, and from where: {object, moment,
-// from, way}. null: no object is part of it, or it is no plan.
+// from, way}. null: no object that stands is part of it.
 export function remedy(app) {
-  const { data, motion } = app;
+  const { motion } = app;
   const place = tightest(app);
-  if (!place || motion.duration === 0 || data.decisions.length > 0) return null;
+  if (!place || motion.duration === 0) return null;
   const { near, moment } = place;
   const matrices = motion.matricesAt(moment);
   const [a, b] = [[near.a, near.point_a], [near.b, near.point_b]].map(([body, point]) => motion.toWorld(body, point, matrices));
-  const object = [near.b, near.a].find((body) => !app.links.has(body) && !app.held.has(body));
+  const object = [near.b, near.a].find((body) => !app.links.has(body) && !app.held.has(body) && !movesItself(app, body));
   const way = new Vector3().subVectors(b, a);
   if (object === undefined || !(near.upper > 0) || way.length() < 1e-6) return null;
   way.normalize();
@@ -75,17 +78,21 @@ export function remedy(app) {
 // nothing to say.
 export function advice(app) {
   const { data, motion } = app;
-  const { near, choice } = tightest(app) ?? {};
-  if (!near || motion.duration === 0 || data.decisions.length > 0) return null;
+  const { near } = tightest(app) ?? {};
+  if (!near || motion.duration === 0) return null;
+  const isSelf = [near.a, near.b].every((body) => app.links.has(body) || app.held.has(body));
+  const executed = data.decisions.length > 0;
+  const mover = [near.b, near.a].find((body) => movesItself(app, body));
+  if (mover !== undefined) return [`The tightest place is beside ${data.bodies[mover]}, which moves by itself: with a larger margin for it the robot keeps farther away, or waits`, ''];
   const [start, ...goals] = data.ends;
-  const canPlan = start.valid && (goals.length === 0 || goals.some(({ valid }) => valid)) && !data.constrained;
-  const option = data.widest || data.steps.length > 0 || !canPlan ? '' : choice === 'self' ? 'objective: {clearance: {of: all}}' : '--objective clearance';
+  const canPlan = start.valid && (goals.length === 0 || goals.some(({ valid }) => valid)) && !data.constrained && !executed;
+  const option = data.widest || data.steps.length > 0 || !canPlan ? '' : isSelf ? 'objective: {clearance: {of: all}}' : '--objective clearance';
   const found = remedy(app);
   const arrow = found && app.stage ? ` (the arrow at ${motion.times[found.moment].toFixed(2)} s)` : '';
   const move = found ? `move ${data.bodies[found.object]} along ${directionText(found.way)} of the world${arrow}` : '';
   if (!move && !option) {
     const held = [near.b, near.a].find((body) => app.held.has(body));
-    if (held === undefined) return choice === 'self' ? ['The tightest place is between parts of the robot: no object that moves makes it wider', ''] : null;
+    if (held === undefined) return isSelf ? ['The tightest place is between parts of the robot: no object that moves makes it wider', ''] : null;
     return [`The tightest place is where the robot takes hold of ${data.bodies[held]}, carries it or lets it go`, ''];
   }
   return [`To widen the tightest place: ${move}${move && option ? ', or ' : ''}${option ? 'plan with ' : ''}`, option];
