@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "collision/scene/scene_access.h"
 #include "planner/base/tolerances.h"
 #include "planner/compiled/edge_model.h"
 #include "planner/edge/edge_certifier_impl.h"
