@@ -328,18 +328,6 @@ class BallPass {
     }
     return false;
   }
-  /// Tests one box for each lane, starting at box `i`; returns a bit for each box that is near.
-  HWY_INLINE static std::uint32_t nearBoxes(const float* low, const float* high,
-                                            const ObstacleBoxes::Level& boxes, std::size_t i) {
-    const D d;
-    M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
-    for (int k = 0; k < 3; ++k) {
-      if (k > 0)
-        apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, boxes.low[k].data() + i)));
-      apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, boxes.high[k].data() + i)));
-    }
-    return bitsOf(d, hn::Not(apart));
-  }
 
   HWY_INLINE void cullBoxes(std::size_t p, const float* low, const float* high,
                             const ObstacleBoxes& boxes, std::size_t first_slot) {

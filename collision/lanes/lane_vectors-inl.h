@@ -36,6 +36,19 @@ HWY_INLINE std::uint32_t bitsOf(D d, M mask) {
   return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8U) & all;
 }
 
+/// Tests one box for each lane, starting at box `i`; returns a bit for each box that is near.
+HWY_INLINE std::uint32_t nearBoxes(const float* low, const float* high,
+                                   const ObstacleBoxes::Level& boxes, std::size_t i) {
+  const D d;
+  M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
+  for (int k = 0; k < 3; ++k) {
+    if (k > 0)
+      apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, boxes.low[k].data() + i)));
+    apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, boxes.high[k].data() + i)));
+  }
+  return bitsOf(d, hn::Not(apart));
+}
+
 /// A vector in each lane.
 struct V3 {
   V x, y, z;

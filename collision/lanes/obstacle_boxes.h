@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -52,30 +51,21 @@ class ObstacleBoxes {
   bool hasBallsAlone(std::size_t node) const { return balls_alone_[node] != 0; }
   std::size_t bytes() const;
 
-  /// Calls visit(slot) for the boxes that `box` intersects. NaN intersects everything. O(boxes) at
-  /// worst. The ball pass of LaneSweep has a vector version of it.
+  /// Calls visit(slot) for the boxes that `box` intersects, in the order of their slots, until it
+  /// returns false. NaN intersects everything. O(boxes) at worst. The ball pass of LaneSweep has
+  /// its own version.
   template <class Visit>
   void forEachNear(const Box& box, const Visit& visit) const {
-    if (first_ != nullptr) first_->forEachNear(box, visit);
-    if (!levels_.empty()) visitNear(levels_.size() - 1, 0, levels_.back().size(), box, visit);
+    visitNear(
+        box,
+        [](const void* of, std::size_t slot) { return (*static_cast<const Visit*>(of))(slot); },
+        &visit);
   }
 
  private:
-  template <class Visit>
-  void visitNear(std::size_t level, std::size_t begin, std::size_t end, const Box& box,
-                 const Visit& visit) const {
-    const Level& of = levels_[level];
-    end = std::min(end, of.size());  // NaN also meets nodes that are padding
-    for (std::size_t i = begin; i < end; ++i) {
-      bool apart = false;
-      for (int k = 0; k < 3; ++k) apart |= box.high[k] < of.low[k][i] || box.low[k] > of.high[k][i];
-      if (apart) continue;
-      if (level == 0)
-        visit(slots_of_first_ + i);
-      else
-        visitNear(level - 1, kWidth * i, kWidth * (i + 1), box, visit);
-    }
-  }
+  /// Calls visit(of, slot) until it returns false, and then returns false.
+  bool visitNear(const Box& box, bool (*visit)(const void* of, std::size_t slot),
+                 const void* of) const;
 
   std::shared_ptr<const ObstacleBoxes> first_;
   std::size_t slots_of_first_ = 0;

@@ -91,7 +91,7 @@ ObstacleBoxes::Box boxOfRow(const Scene& scene, const Workspace& workspace, std:
                             double reach);
 
 /// Calls visit(pair) for the pairs of a row that may be closer than `reach` [m], in an order that
-/// depends only on the scene. O(near + log of all) on average.
+/// depends only on the scene, until it returns false. O(near + log of all) on average.
 template <class Visit>
 void forEachNearInRow(const Scene& scene, const Workspace& workspace, std::size_t row, double reach,
                       const Visit& visit) {
@@ -101,7 +101,7 @@ void forEachNearInRow(const Scene& scene, const Workspace& workspace, std::size_
     const std::int32_t place = boxes.obstacle(slot);
     const std::int32_t pair =
         place < 0 ? -1 : scene.pairs().numberOf(row, static_cast<std::size_t>(place));
-    if (pair >= 0) visit(static_cast<int>(pair));
+    return pair < 0 || visit(static_cast<int>(pair));
   });
 }
 

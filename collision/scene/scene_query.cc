@@ -67,6 +67,7 @@ void Workspace::prepare(const Scene& scene) {
   boxes.forEachNear(nowhere, [&](std::size_t slot) {
     if (boxes.obstacle(slot) >= 0)
       take(SceneAccess::geometryIn(scene, boxes.obstacle(slot)).geometry());
+    return true;
   });
 }
 
@@ -176,13 +177,28 @@ Verdict worse(Verdict x, Verdict y) {
 }
 
 /// Calls visit(pair) for all listed pairs, and for pairs of the table that may be closer than
-/// `reach` [m].
+/// `reach` [m], until it returns false.
 template <class Visit>
 void forEachNear(const Scene& scene, const Workspace& workspace, double reach, const Visit& visit) {
   const ScenePairs& pairs = scene.pairs();
-  for (std::size_t p = 0; p < pairs.listedCount(); ++p) visit(static_cast<int>(p));
-  for (std::size_t row = 0; row < pairs.rows().size(); ++row)
-    forEachNearInRow(scene, workspace, row, reach, visit);
+  bool going = true;
+  const auto visited = [&](int p) { return going = visit(p); };
+  for (std::size_t p = 0; p < pairs.listedCount() && going; ++p) visited(static_cast<int>(p));
+  for (std::size_t row = 0; row < pairs.rows().size() && going; ++row)
+    forEachNearInRow(scene, workspace, row, reach, visited);
+}
+
+/// Whether the outer balls of a pair are farther apart than `reach` [m], up to rounding.
+bool areBallsApart(const Scene& scene, const Workspace& workspace, const ScenePair& pair,
+                   double reach) {
+  const Ball& a = SceneAccess::bounds(scene, pair.body_a, pair.geometry_a).outer;  // moves
+  const Eigen::Vector3d center_W = poseOf(scene, workspace, pair.body_a) * a.center;
+  const double apart = withBounds(scene, pair, [&](const Ball& b, const CoarseShape&) {
+    const bool moves = scene.bodies()[at(pair.body_b)].moving;
+    const Eigen::Vector3d other_W = moves ? workspace.pose(pair.body_b) * b.center : b.center;
+    return (center_W - other_W).norm() - a.radius - b.radius;
+  });
+  return apart > reach;
 }
 
 /// Decides one pair against its margin. `result` has at least the interval, and all other members
@@ -296,16 +312,20 @@ SceneResult decide(const Scene& scene, Workspace& workspace) {
     }
     return verdict != Verdict::kNotFree;
   };
-  // The pair that was last not free is likely to be not free again.
-  const bool is_known = impl.blocking >= 0 && at(impl.blocking) < scene.pairs().numbers() &&
-                        scene.pairs().has(at(impl.blocking));
-  const int first = is_known ? impl.blocking : -1;
-  bool going = first < 0 || look(first);
   const double most = scene.pairs().rows().empty() ? kInfinity : scene.pairs().mostMargin();
   const double reach = std::isnan(most) ? kInfinity : std::max(most, 0.0) + kDecideReach;
-  forEachNear(scene, workspace, reach, [&](int p) {
-    if (going && p != first) going = look(p);
-  });
+  // The pair that was last not free is likely to be not free again, if it is near.
+  const bool is_known = impl.blocking >= 0 && at(impl.blocking) < scene.pairs().numbers() &&
+                        scene.pairs().has(at(impl.blocking)) &&
+                        !areBallsApart(scene, workspace, scene.pairs()[at(impl.blocking)], reach);
+  const int first = is_known ? impl.blocking : -1;
+  bool going = first < 0 || look(first);
+  if (going) {
+    forEachNear(scene, workspace, reach, [&](int p) {
+      if (p != first) going = look(p);
+      return going;
+    });
+  }
   // Pairs that are not near are farther apart than `reach`.
   result.clearance.lower = std::min(result.clearance.lower, reach);
   if (!going) result.clearance.lower = -kInfinity;  // the other pairs were not tested
@@ -329,7 +349,7 @@ std::size_t collectNearest(const Scene& scene, const Workspace& workspace, doubl
   std::size_t count = 0;
   forEachNear(scene, workspace, reach, [&](int p) {
     const Candidate candidate = candidateOf(scene, workspace, p);
-    if (!(last < candidate)) return;
+    if (!(last < candidate)) return true;
     if (count < room.size()) {
       room[count++] = candidate;
       if (count == room.size()) std::make_heap(room.begin(), room.end());
@@ -338,6 +358,7 @@ std::size_t collectNearest(const Scene& scene, const Workspace& workspace, doubl
       room.back() = candidate;
       std::push_heap(room.begin(), room.end());
     }
+    return true;
   });
   std::make_heap(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count), std::greater<>());
   return count;
@@ -347,8 +368,10 @@ std::size_t collectNearest(const Scene& scene, const Workspace& workspace, doubl
 double reachOfClosest(const Scene& scene, Workspace& workspace, double tolerance) {
   for (double reach = kDecideReach; reach < static_cast<double>(kFar); reach *= 4) {
     Candidate nearest{kInfinity, -1};
-    forEachNear(scene, workspace, reach,
-                [&](int p) { nearest = std::min(nearest, candidateOf(scene, workspace, p)); });
+    forEachNear(scene, workspace, reach, [&](int p) {
+      nearest = std::min(nearest, candidateOf(scene, workspace, p));
+      return true;
+    });
     if (nearest.second < 0) continue;
     DistanceRequest request;
     request.tolerance = tolerance;

@@ -215,6 +215,7 @@ double ImpactSchedule::lookAtRow(std::size_t row, double time, double horizon, W
     if (!found || pair_due < due) next_of_row_[row] = pair;
     due = std::min(due, pair_due);
     found = true;
+    return true;
   };
   for (;; reach *= 2) {
     forEachNearInRow(*scene_, workspace, row,

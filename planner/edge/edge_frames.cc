@@ -218,9 +218,10 @@ bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,
   boxes.forEachNear(box, [&](std::size_t i) {
     const std::int32_t place = boxes.obstacle(i);
     const std::int32_t pair = place < 0 ? -1 : in_scene.numberOf(row, at(place));
-    if (pair < 0) return;
+    if (pair < 0) return true;
     has_room = has_room && pairs.size() < pairs.capacity();
     if (has_room) pairs.push_back(pair);
+    return has_room;
   });
   return has_room;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "tests/support/every_target.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {
@@ -36,6 +37,7 @@ std::vector<std::int32_t> near(const ObstacleBoxes& boxes, const Box& box) {
   std::vector<std::int32_t> found;
   boxes.forEachNear(box, [&](std::size_t slot) {
     if (boxes.obstacle(slot) >= 0) found.push_back(boxes.obstacle(slot));
+    return true;
   });
   std::sort(found.begin(), found.end());
   return found;
@@ -72,6 +74,72 @@ TEST(ObstacleBoxes, FindsWhatAListFinds) {
       }
     }
   }
+}
+
+/// Slow twin of forEachNear(): one box after the other.
+void visitSlowly(const ObstacleBoxes& boxes, std::size_t level, std::size_t begin, const Box& box,
+                 std::size_t first_slot, std::vector<std::size_t>& visited) {
+  const ObstacleBoxes::Level& of = boxes.levels()[level];
+  const bool is_top = level + 1 == boxes.levels().size();
+  const std::size_t end = is_top ? of.size() : std::min(begin + ObstacleBoxes::kWidth, of.size());
+  for (std::size_t i = begin; i < end; ++i) {
+    bool apart = false;
+    for (int k = 0; k < 3; ++k) apart |= box.high[k] < of.low[k][i] || box.low[k] > of.high[k][i];
+    if (apart) continue;
+    if (level == 0)
+      visited.push_back(first_slot + i);
+    else
+      visitSlowly(boxes, level - 1, ObstacleBoxes::kWidth * i, box, first_slot, visited);
+  }
+}
+
+// The same visits in the same order on every instruction set, padding that NaN meets included.
+TEST(ObstacleBoxes, VisitsInTheOrderOfALoop) {
+  Random random(10);
+  std::size_t visits = 0;
+  for (const int count : {1, 16, 50, 64, 65, 300, 1025, 9000}) {
+    std::vector<Box> all;
+    for (int i = 0; i < count; ++i) all.push_back(randomBox(random, 10, 1));
+    const std::size_t first = all.size() / 3;
+    const auto before =
+        std::make_shared<const ObstacleBoxes>(std::span<const Box>(all).first(first));
+    const ObstacleBoxes boxes(std::span<const Box>(all).subspan(first), before,
+                              static_cast<std::int32_t>(first));
+    for (int q = 0; q < 50; ++q) {
+      Box box = randomBox(random, 12, random.chance(0.2) ? 10 : 1);
+      if (random.chance(0.2)) {
+        // A face on a face: touching boxes intersect.
+        const Box& other = all[static_cast<std::size_t>(random.below(count))];
+        std::copy_n(other.high, 3, box.low);
+        for (int k = 0; k < 3; ++k) box.high[k] = std::max(box.high[k], box.low[k]);
+      }
+      if (random.chance(0.1)) box.low[random.below(3)] = std::numeric_limits<float>::quiet_NaN();
+      if (random.chance(0.1)) box.high[random.below(3)] = std::numeric_limits<float>::quiet_NaN();
+      if (random.chance(0.1)) box.high[random.below(3)] = kFar;
+      std::vector<std::size_t> expected;
+      if (first > 0) visitSlowly(*before, before->levels().size() - 1, 0, box, 0, expected);
+      visitSlowly(boxes, boxes.levels().size() - 1, 0, box, before->slots(), expected);
+      visits += expected.size();
+      onEveryTarget([&](const char* target) {
+        std::vector<std::size_t> visited;
+        const auto take = [&](std::size_t most) {
+          visited.clear();
+          boxes.forEachNear(box, [&](std::size_t slot) {
+            visited.push_back(slot);
+            return visited.size() < most;
+          });
+        };
+        take(boxes.slots() + 1);
+        EXPECT_EQ(visited, expected) << target << " " << count << " " << q;
+        if (expected.empty()) return;
+        take(expected.size() / 2 + 1);
+        EXPECT_TRUE(visited.size() == expected.size() / 2 + 1 &&
+                    std::equal(visited.begin(), visited.end(), expected.begin()))
+            << target << " " << count << " " << q;
+      });
+    }
+  }
+  EXPECT_GT(visits, 10000U);
 }
 
 TEST(ObstacleBoxes, NodesOfBallsAloneHaveNoOthers) {

@@ -1,6 +1,7 @@
 // Times distance queries of convex pairs against Debian's FCL (libccd), in one run on one core.
 //
 //   bench_pairs [--rounds N] [--seed N] [--family WORD]
+//   bench_pairs --among N [--rounds N] [--seed N]
 //
 // Pairs are made from a seed: sizes of 0.1 to 1 m, any rotation, gaps log-uniform from 1e-7 to 10 m
 // unless a family specifies otherwise. Blocks of eight pairs are timed, ours and FCL's alternately.
@@ -14,7 +15,14 @@
 //
 // The tests with the quadruple-precision oracle decide which answer is correct. `d > t` is compared
 // with our own distance query. Depths of a mesh have no comparison, because FCL lacks them.
+//
+// With --among, checks a box of 0.2 m against a scene of N such boxes, ours by decide() and FCL's
+// by its dynamic AABB tree, at 5000 places: sparse to dense, along the axes and turned.
 
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/broadphase/default_broadphase_callbacks.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,13 +30,17 @@
 #include <cstdio>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "leeway/collision/scene.h"
 #include "tools/lab/base/statistics.h"
 #include "tools/lab/bench/pair_families.h"
 #include "tools/lab/bench/program.h"
+#include "tools/lab/bench/splitmix.h"
+#include "tools/lab/fcl/fcl_shape.h"
 
 namespace {
 
@@ -182,6 +194,76 @@ void run(const PairFamily& family, int rounds, double clock_cost) {
               disagreement.verdict, disagreement.failed, open);
 }
 
+/// Places of boxes of a scene: in a cube of this size [m].
+std::vector<leeway::collision::Pose> places(int count, double size, bool turned,
+                                            leeway::bench::SplitMix& random) {
+  std::vector<leeway::collision::Pose> all(static_cast<std::size_t>(count));
+  for (auto& X : all) {
+    const auto uniform = [&] { return random.uniform(0, 1); };
+    for (int k = 0; k < 3; ++k) X.translation[k] = size * uniform();
+    if (!turned) continue;
+    Eigen::Vector4d q;
+    for (int k = 0; k < 4; ++k) q[k] = uniform() - 0.5;
+    X.rotation = Eigen::Quaterniond(q.normalized()).toRotationMatrix();
+  }
+  return all;
+}
+
+void runAmong(int count, double size, bool turned, int rounds, std::uint64_t seed) {
+  namespace ours = leeway::collision;
+  leeway::bench::SplitMix random(seed);
+  const auto bodyOf = [](const std::string& name, const ours::Pose& X_WB, bool moving) {
+    ours::Body body;
+    body.name = name;
+    body.X_WB = X_WB;
+    body.moving = moving;
+    body.geometries.push_back({ours::Shape::box({0.1, 0.1, 0.1}), {}, ""});
+    return body;
+  };
+  const auto box = std::make_shared<fcl::Boxd>(0.2, 0.2, 0.2);
+  ours::SceneBuilder builder;
+  builder.add(bodyOf("moving", {}, true));
+  std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+  fcl::DynamicAABBTreeCollisionManagerd manager;
+  for (const ours::Pose& X : places(count, size, turned, random)) {
+    builder.add(bodyOf(std::to_string(objects.size()), X, false));
+    objects.push_back(std::make_unique<fcl::CollisionObjectd>(box, leeway::lab::isometry(X)));
+    manager.registerObject(objects.back().get());
+  }
+  manager.setup();
+  const ours::Scene scene = builder.build();
+  ours::Workspace workspace(scene);
+  fcl::CollisionObjectd moving(box);
+  const std::vector<ours::Pose> queries = places(5000, size, turned, random);
+  std::vector<double> time, their_time;
+  int contacts = 0, differ = 0;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<bool> meets;
+    double start = now();
+    for (const ours::Pose& X : queries) {
+      workspace.setPose(0, X);
+      meets.push_back(decide(scene, workspace).verdict != ours::Verdict::kFree);
+    }
+    time.push_back(now() - start);
+    std::size_t i = 0;
+    contacts = differ = 0;
+    start = now();
+    for (const ours::Pose& X : queries) {
+      moving.setTransform(leeway::lab::isometry(X));
+      moving.computeAABB();
+      fcl::DefaultCollisionData<double> found;
+      manager.collide(&moving, &found, fcl::DefaultCollisionFunction<double>);
+      contacts += found.result.isCollision() ? 1 : 0;
+      differ += meets[i++] != found.result.isCollision() ? 1 : 0;
+    }
+    their_time.push_back(now() - start);
+  }
+  const double each = 1 / static_cast<double>(queries.size());
+  std::printf("%6d %6.1f %-6s %8.0f %8.0f %7.2f %9d %6d\n", count, size, turned ? "yes" : "no",
+              median(time) * each, median(their_time) * each, median(time) / median(their_time),
+              contacts, differ);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -189,11 +271,21 @@ int main(int argc, char** argv) {
   int rounds = 31;
   std::uint64_t seed = 1;
   std::string only;
+  int among = 0;
   app.add_option("--rounds", rounds, "of each block; their median counts")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", seed, "of the pairs");
   app.add_option("--family", only, "only families with this in their name");
+  app.add_option("--among", among, "instead, check a box against scenes of this many boxes")
+      ->check(CLI::PositiveNumber);
   return leeway::bench::runProgram("bench_pairs", app, argc, argv, [&] {
+    if (among > 0) {
+      std::printf("median ns a check\n%6s %6s %-6s %8s %8s %7s %9s %6s\n", "boxes", "size",
+                  "turned", "ours", "FCL", "ratio", "contacts", "differ");
+      for (const double size : {4.0, 8.0, 20.0})
+        for (const bool turned : {false, true}) runAmong(among, size, turned, rounds, seed);
+      return 0;
+    }
     std::printf("median ns a query; FCL with libccd (d > t: our own distance query)\n");
     std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed open\n", "family",
                 "ours", "FCL", "ratio");
