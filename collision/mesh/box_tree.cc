@@ -36,7 +36,7 @@ struct BoxTree::Cluster {
 };
 
 struct BoxTree::Input {
-  std::span<const Vector3d> vertices;
+  std::pmr::vector<Vector3d> vertices{largeArrays()};  // relative to the origin
   std::span<const Triangle> triangles;
   std::span<const std::int32_t> slot_of;
   double extent = 0;
@@ -215,14 +215,20 @@ struct BoxTree::Builder {
   }
 };
 
-BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
-                 std::span<const std::int32_t> slot_of, double extent,
-                 std::span<const std::int32_t> piece_of, int pieces)
+BoxTree::BoxTree(std::span<const Vector3d> vertices, const Vector3d& origin,
+                 std::span<const Triangle> triangles, std::span<const std::int32_t> slot_of,
+                 double extent, std::span<const std::int32_t> piece_of, int pieces)
     : piece_node_(static_cast<std::size_t>(pieces), -1),
       first_piece_(static_cast<std::int32_t>(triangles.size())) {
   if (!(extent > 0)) return;  // all points are equal
-  Input input{vertices, triangles, slot_of, extent, std::pmr::vector<Vector3d>(largeArrays()),
-              {},       {},        pieces};
+  Input input;
+  input.triangles = triangles;
+  input.slot_of = slot_of;
+  input.extent = extent;
+  input.pieces = pieces;
+  // (Their rounding is a unit of the extent, and is in the boxes.)
+  input.vertices.reserve(vertices.size());
+  for (const Vector3d& vertex : vertices) input.vertices.push_back(vertex - origin);
   input.centroid.reserve(triangles.size());
   input.unit.reserve(triangles.size());
   std::vector<Vector3d> sum(at(pieces), Vector3d::Zero());
@@ -254,6 +260,20 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
   builder.nodes[0].count = 1;
   nodes_ = std::move(builder.nodes);
   for (const auto& [piece, node] : builder.piece_nodes) piece_node_[at(piece)] = node;
+  setReach();
+}
+
+void BoxTree::setReach() {
+  double squared = 0;
+  for (const BoxNode& node : nodes_) {
+    for (std::int32_t column = 0; column < node.count; ++column) {
+      double sum = 0;
+      for (const auto& center : node.center)
+        sum += static_cast<double>(center[column]) * static_cast<double>(center[column]);
+      squared = std::max(squared, sum);
+    }
+  }
+  reach_ = std::sqrt(squared) * kOutwards;
 }
 
 // The box in single precision: along the rounded axes, around the rounded centre, and large enough
@@ -341,6 +361,7 @@ std::unique_ptr<const BoxTree> BoxTree::fromNodes(std::pmr::vector<BoxNode> node
   if (std::any_of(check.met.begin(), check.met.end(), is(0))) return nullptr;
   const std::vector<std::int32_t>& of_pieces = tree->piece_node_;
   if (std::any_of(of_pieces.begin(), of_pieces.end(), is(-1))) return nullptr;
+  tree->setReach();
   return tree;
 }
 

@@ -41,7 +41,9 @@ struct BoxNode {
 /// Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996; I. Wald, C. Benthin, S. Boulos, "Getting rid
 /// of packets", 2008, for wide nodes). Every triangle and every convex piece has a box. Above them
 /// is a hierarchy of pieces and loose triangles; below each piece is a hierarchy of its triangles.
-/// The tree is in single precision, rounded outwards, and serves as a filter.
+/// The tree is in single precision, rounded outwards, and serves as a filter. Its coordinates are
+/// relative to a point near the mesh, because those of a mesh far from its origin would lose as
+/// many digits as the distance has.
 class BoxTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -49,10 +51,11 @@ class BoxTree {
   /// Limit on the length of a path from the root.
   static constexpr int kMaxDepth = 48;
 
-  /// `slot_of` has the number of each triangle in `child`, and `piece_of` its convex piece, 0 to
-  /// `pieces` - 1 (each of at least two triangles), or -1. O(n log n).
-  BoxTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
-          std::span<const std::int32_t> slot_of, double extent,
+  /// Coordinates of boxes are relative to `origin`. `slot_of` has the number of each triangle in
+  /// `child`, and `piece_of` its convex piece, 0 to `pieces` - 1 (each of at least two triangles),
+  /// or -1. O(n log n).
+  BoxTree(std::span<const Eigen::Vector3d> vertices, const Eigen::Vector3d& origin,
+          std::span<const Triangle> triangles, std::span<const std::int32_t> slot_of, double extent,
           std::span<const std::int32_t> piece_of, int pieces);
 
   /// Makes the tree from the nodes in a file, as nodes() returned them. Null if they are not a tree
@@ -72,6 +75,8 @@ class BoxTree {
   std::int32_t firstPiece() const { return first_piece_; }
   /// The node of a piece's triangles.
   std::int32_t pieceNode(int piece) const { return piece_node_[static_cast<std::size_t>(piece)]; }
+  /// Upper bound on the distance of the boxes' centres from the origin of their coordinates [m].
+  double reach() const { return reach_; }
   std::size_t bytes() const {
     return nodes_.capacity() * sizeof(BoxNode) + piece_node_.capacity() * sizeof(std::int32_t);
   }
@@ -82,11 +87,13 @@ class BoxTree {
   struct Builder;
   struct Check;
   BoxTree() = default;
+  void setReach();
   static void setColumn(BoxNode& node, int column, const Cluster& cluster, const Input& input);
 
   std::pmr::vector<BoxNode> nodes_{largeArrays()};
   std::vector<std::int32_t> piece_node_;
   std::int32_t first_piece_ = 0;
+  double reach_ = 0;
 };
 
 }  // namespace leeway::collision

@@ -180,8 +180,8 @@ void MeshTree::makeBoxes(std::span<const Vector3d> vertices, std::span<const Tri
       piece_of[at(t)] = static_cast<std::int32_t>(number);
     addPiece(pieces[number].hull, pieces[number].excess);
   }
-  boxes_ = std::make_unique<const BoxTree>(vertices, triangles, slot_of_, extent_, piece_of,
-                                           pieceCount());
+  boxes_ = std::make_unique<const BoxTree>(vertices, middle(), triangles, slot_of_, extent_,
+                                           piece_of, pieceCount());
 }
 
 bool MeshTree::takeBoxes(std::unique_ptr<const BoxTree> boxes) {

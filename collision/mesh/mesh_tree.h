@@ -136,9 +136,11 @@ class MeshTree {
     view.extent = extent_;
     return view;
   }
-  /// The triangles and convex pieces under oriented boxes, for pairs of meshes. Only after
-  /// makeBoxes().
+  /// The triangles and convex pieces under oriented boxes, for pairs of meshes, whose coordinates
+  /// are relative to middle(). Only after makeBoxes().
   const BoxTree& boxes() const { return *boxes_; }
+  /// The middle of the box of all vertices.
+  Eigen::Vector3d middle() const { return 0.5 * nodes_[0].low + 0.5 * nodes_[0].high; }
   /// Makes boxes() and stores the pieces. Call once, before the first query. O(n log n).
   void makeBoxes(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
                  std::span<const ConvexPiece> pieces);

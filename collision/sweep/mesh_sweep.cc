@@ -106,16 +106,21 @@ class MeshSweep {
     const RelativePose begin = relativePose(s.X_BA0, Pose{}), end = relativePose(s.X_BA1, Pose{});
     if (!begin.valid || !end.valid) return false;
     s.slack = std::max(slackOf(begin, side_a_, side_b_), slackOf(end, side_a_, side_b_));
+    s.box_slack =
+        s.slack +
+        boxRounding(a_, b_, std::max(s.X_BA0.translation.norm(), s.X_BA1.translation.norm()));
     s.growth = time.length() * time.length() * request_.bend;
     s.half.rotation = 0.5 * (s.X_BA0.rotation + s.X_BA1.rotation);
     s.half.translation = 0.5 * (s.X_BA0.translation + s.X_BA1.translation);
     s.away.rotation = 0.5 * (s.X_BA1.rotation - s.X_BA0.rotation);
     s.away.translation = 0.5 * (s.X_BA1.translation - s.X_BA0.translation);
+    s.boxes_half = boxPlacement(s.half, a_, b_);
+    s.boxes_away = {s.away.rotation, placed(s.away, a_.origin())};
     Eigen::Quaterniond q0(s.X_BA0.rotation), q1(s.X_BA1.rotation);
     if (q0.dot(q1) < 0) q1.coeffs() = -q1.coeffs();
     q0.coeffs() += q1.coeffs();
     s.X_BM.rotation = q0.normalized().toRotationMatrix();
-    s.X_BM.translation = s.half.translation;
+    s.X_BM.translation = s.boxes_half.translation;
     const double departure = begin.slack + end.slack;
     s.turn = (spectralNorm(s.away.rotation, departure) +
               spectralNorm(s.half.rotation - s.X_BM.rotation, departure)) *
@@ -132,7 +137,7 @@ class MeshSweep {
     s.of_node.of_node = true;
     const Eigen::Matrix3d map = s.X_MB.rotation * s.half.rotation,
                           turn = s.X_MB.rotation * s.away.rotation;
-    const Vector way = s.X_MB.rotation * s.away.translation;
+    const Vector way = s.X_MB.rotation * s.boxes_away.translation;
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) {
         s.of_node.map[3 * i + k] = static_cast<float>(map(i, k));
@@ -141,7 +146,7 @@ class MeshSweep {
       s.of_node.way[i] = static_cast<float>(way[i]);
     }
     s.of_node.loose = roundedUpToFloat(s.turn);
-    s.of_node.fixed = roundedUpToFloat(kWayRounding * (a_.extent() + way.lpNorm<1>()));
+    s.of_node.fixed = roundedUpToFloat(kWayRounding * (a_.reach() + way.lpNorm<1>()));
   }
 
   void expand(const SweptPair& pair) {
@@ -156,7 +161,7 @@ class MeshSweep {
       leaves(pair, *s, part_a, part_b);
       return;
     }
-    const Vector way = placed(s->away, a_.center(pair.a));
+    const Vector way = placed(s->boxes_away, a_.center(pair.a));
     const double radius_a = static_cast<double>(a_.radius(pair.a)),
                  radius_b = static_cast<double>(b_.radius(pair.b));
     // A pair that moves farther than its size is halved in time.
@@ -187,7 +192,7 @@ class MeshSweep {
     }
   }
 
-  double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.slack; }
+  double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.box_slack; }
 
   // Gaps between the boxes of a node of one body (A if `of_a`) and the pair's box of the other,
   // over the interval. `way`: displacement of the centre of A's box over half of the interval.
@@ -199,7 +204,7 @@ class MeshSweep {
       sweptBoxGaps(node, placedBox(b_.box(pair.b), s.X_MB), s.of_node, direction, gap);
       return;
     }
-    const Vector middle = placed(s.half, a_.center(pair.a));
+    const Vector middle = placed(s.boxes_half, a_.center(pair.a));
     OrientedBox box = placedBox(a_.box(pair.a), s.X_BM);
     BoxSweep sweep;
     for (int k = 0; k < 3; ++k) sweep.way[k] = static_cast<float>(way[k]);
@@ -214,7 +219,7 @@ class MeshSweep {
     const bool of_a = a_.isMesh();
     const std::int32_t part = of_a ? pair.a : pair.b;
     float gap[BoxNode::kWidth];
-    gaps(pair, s, placed(s.away, a_.center(pair.a)), of_a, (of_a ? a_ : b_).node(part), gap);
+    gaps(pair, s, placed(s.boxes_away, a_.center(pair.a)), of_a, (of_a ? a_ : b_).node(part), gap);
     ++result_.nodes;
     return static_cast<double>(gap[part % BoxNode::kWidth]) > barOf(s);
   }
@@ -276,7 +281,7 @@ class MeshSweep {
     const DistanceResult r = convexSweptDistance(a_.view(a), s.X_BA0, s.X_BA1, s.growth, b_.view(b),
                                                  request, scratch_, nullptr, s.slack);
     if (r.distance.lower > request_.threshold) return;
-    const Vector way = placed(s.away, a_.center(pair.a));
+    const Vector way = placed(s.boxes_away, a_.center(pair.a));
     const double motion = way.norm() + s.turn * static_cast<double>(a_.radius(pair.a)) + s.growth;
     const bool piece_a = a.kind == Kind::kPiece, piece_b = b.kind == Kind::kPiece;
     if (!piece_a && !piece_b) {

@@ -27,13 +27,15 @@ struct SweepScratch {
     Time time{-1, 0};
     Pose X_BA0, X_BA1;  ///< at both ends, as given
     Pose half;          ///< their mean; not a rotation
-    Pose X_BM;          ///< a rigid placement close to `half`, with its origin
-    Pose X_MB;
     Pose away;          ///< (X_BA1 - X_BA0) / 2: displacement from the middle; not a rotation
-    double turn = 0;    ///< |away v| + |half v - X_BM v| <= turn |v|, by their rotations alone
-    double growth = 0;  ///< distance of points from their chords [m]
-    double slack = 0;   ///< rounding of the poses: how far it moves points [m]
-    BoxSweep of_node;   ///< of boxes of A, in M
+    Pose boxes_half, boxes_away;  ///< the same for boxes, in their coordinates (MeshBody::origin())
+    Pose X_BM;                    ///< a rigid placement close to boxes_half, with its origin
+    Pose X_MB;
+    double turn = 0;       ///< |away v| + |half v - X_BM v| <= turn |v|, by their rotations alone
+    double growth = 0;     ///< distance of points from their chords [m]
+    double slack = 0;      ///< rounding of the poses: how far it moves points [m]
+    double box_slack = 0;  ///< the same for boxes
+    BoxSweep of_node;      ///< of boxes of A, in M
   };
 
   static constexpr int kStretches = 32;

@@ -28,7 +28,8 @@ inline bool operator==(const Part& l, const Part& r) {
 }
 
 /// One of two bodies: a mesh with its boxes and pieces, or a convex shape. Boxes are numbered by
-/// node and column, node * kWidth + column; -1 is the box of a convex body.
+/// node and column, node * kWidth + column; -1 is the box of a convex body. Coordinates of boxes
+/// are relative to origin().
 class MeshBody {
   using Kind = Part::Kind;
 
@@ -36,16 +37,18 @@ class MeshBody {
   explicit MeshBody(const DescentSide& side) : tree_(side.tree), view_(side.view) {
     if (tree_ != nullptr) {
       extent_ = tree_->extent();
+      origin_ = tree_->middle();
+      reach_ = tree_->boxes().reach();
       return;
     }
     extent_ = side.extent;
+    origin_ = 0.5 * side.low + 0.5 * side.high;
     box_ = {};
     for (int k = 0; k < 3; ++k) {
       box_.axis[k][k] = 1;
-      box_.center[k] = static_cast<float>(0.5 * (side.low[k] + side.high[k]));
-      const double center = static_cast<double>(box_.center[k]);
-      box_.half[k] = roundedUpToFloat(std::max(side.high[k] - center, center - side.low[k]) +
-                                      kRelativeRounding * extent_);
+      box_.half[k] =
+          roundedUpToFloat(std::max(side.high[k] - origin_[k], origin_[k] - side.low[k]) +
+                           kRelativeRounding * extent_);
     }
     const auto square = [&](int k) {
       return static_cast<double>(box_.half[k]) * static_cast<double>(box_.half[k]);
@@ -56,6 +59,9 @@ class MeshBody {
   bool isMesh() const { return tree_ != nullptr; }
   const MeshTree& tree() const { return *tree_; }
   double extent() const { return extent_; }
+  const Vector& origin() const { return origin_; }
+  /// Upper bound on the distance of the boxes' centres from origin() [m].
+  double reach() const { return reach_; }
   std::int32_t root() const { return isMesh() ? 0 : -1; }
   bool consistsOfPieces() const { return !isMesh() || tree_->pieceCount() > 0; }
 
@@ -120,8 +126,20 @@ class MeshBody {
   ConvexView view_;  // of a convex body
   OrientedBox box_;  // around it
   float radius_ = 0;
-  double extent_ = 0;
+  double extent_ = 0, reach_ = 0;
+  Vector origin_;
 };
+
+/// A placement of A's points in B as one of A's boxes in the coordinates of B's: `X` may be any
+/// linear map. Rounding moves points by less than boxRounding().
+inline Pose boxPlacement(const Pose& X, const MeshBody& a, const MeshBody& b) {
+  return {X.rotation, placed(X, a.origin()) - b.origin()};
+}
+/// How far rounding of boxPlacement(), and of what it places, moves points [m]. `distance`: between
+/// the bodies' frames.
+inline double boxRounding(const MeshBody& a, const MeshBody& b, double distance) {
+  return kRelativeRounding * (a.extent() + b.extent() + distance);
+}
 
 /// The box in another frame, rounded; boxGaps() accounts for that rounding.
 inline OrientedBox placedBox(const OrientedBox& box, const Pose& X) {

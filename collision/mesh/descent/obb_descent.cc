@@ -42,7 +42,9 @@ class PairDescent : public DescentBounds {
         work_(*scratch.impl().work),
         touching_(scratch.impl().touching),
         cache_(cache) {
-    X_AB_ = X_BA_.inverse();
+    boxes_BA_ = boxPlacement(X_BA_, a_, b_);
+    boxes_AB_ = boxPlacement(X_BA_.inverse(), b_, a_);
+    box_slack_ = slack_ + boxRounding(a_, b_, X_BA_.translation.norm());
     // The same as for support points (derived in gjk.cc), because corners are placed, and
     // multiplied with a unit vector, by the same operations.
     rounding_ =
@@ -56,11 +58,11 @@ class PairDescent : public DescentBounds {
   DescentResult run() {
     float gap[BoxNode::kWidth];
     if (b_.isMesh()) {
-      boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), {}, gap);
+      boxGaps(b_.node(0), placedBox(a_.box(a_.root()), boxes_BA_), {}, gap);
     } else {
-      boxGaps(a_.node(0), placedBox(b_.box(-1), X_AB_), {}, gap);
+      boxGaps(a_.node(0), placedBox(b_.box(-1), boxes_AB_), {}, gap);
     }
-    result.hull_lower = static_cast<double>(gap[0]) - slack_;
+    result.hull_lower = static_cast<double>(gap[0]) - box_slack_;
     if (isPruned(result.hull_lower) || hullsDecide()) {
       settle(result.hull_lower);
       return result;
@@ -124,7 +126,7 @@ class PairDescent : public DescentBounds {
     const std::int32_t child = split_a ? part_a.number : part_b.number;
     const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
     const OrientedBox other =
-        split_a ? placedBox(b_.box(pair.b), X_AB_) : placedBox(a_.box(pair.a), X_BA_);
+        split_a ? placedBox(b_.box(pair.b), boxes_AB_) : placedBox(a_.box(pair.a), boxes_BA_);
     float gap[BoxNode::kWidth];
     boxGaps(split, other, split_a ? direction_a_ : direction_b_, gap);
     result.visited += split.count;
@@ -133,7 +135,7 @@ class PairDescent : public DescentBounds {
     const std::size_t first = open_.size();
     for (int i = split.count; i-- > 0;) {
       // A bound that is proven for the parent also holds for its parts.
-      const double found = static_cast<double>(gap[i]) - slack_;
+      const double found = static_cast<double>(gap[i]) - box_slack_;
       if (found > bar_now) {
         settle(std::max(found, pair.lower));
         continue;
@@ -318,15 +320,16 @@ class PairDescent : public DescentBounds {
 
   const MeshBody a_, b_;
   const Pose& X_BA_;
-  Pose X_AB_;
+  Pose boxes_BA_, boxes_AB_;  // between the coordinates of boxes
   const double slack_, hull_excess_;
   Scratch& scratch_;
   Work& work_;
   TouchingTriangles& touching_;
   PairCache& cache_;
-  double rounding_ = 0;  // of a pair of triangles, including the poses' slack [m]
-  bool parts_ = false;   // both bodies consist of convex parts; against triangles, parts are not
-                         // worthwhile
+  double rounding_ = 0;   // of a pair of triangles, including the poses' slack [m]
+  double box_slack_ = 0;  // the same of a pair of boxes
+  bool parts_ = false;    // both bodies consist of convex parts; against triangles, parts are not
+                          // worthwhile
   bool opens_touching_ = false;  // two meshes, unless all pieces are solids
   bool deepens_ = false, hulls_known_ = false;
   bool has_plane_ = false;

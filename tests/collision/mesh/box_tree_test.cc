@@ -179,7 +179,7 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
             double along = 0;
             for (int i = 0; i < 3; ++i) {
               along += static_cast<double>(box.axis[k][i]) *
-                       (corners[c][i] - static_cast<double>(box.center[i]));
+                       (corners[c][i] - tree.middle()[i] - static_cast<double>(box.center[i]));
             }
             holds &= std::abs(along) <= static_cast<double>(box.half[k]);
           }

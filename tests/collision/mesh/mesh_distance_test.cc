@@ -259,6 +259,59 @@ TEST(MeshDistance, BetweenMeshes) {
 }
 
 // Meshes of real robots: concave, open, many components.
+/// A mesh whose vertices are `offset` from where they were; on a grid, so that the move is exact.
+Shape movedOnGrid(TriangleSoup soup, const Vector3d& offset) {
+  for (Vector3d& v : soup.vertices) v = Vector3d((v * 0x1p20).array().round()) * 0x1p-20 + offset;
+  return Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles));
+}
+
+// The placement takes the offset back, exactly: the same bodies in the same places, with the same
+// slow twin.
+TEST(MeshDistance, FarFromItsOriginAMeshIsAsNearAndAsFast) {
+  Random random(48);
+  const TriangleSoup torus = torusSoup(24, 12, 1, 0.3, 0, random);
+  const Bodies here(movedOnGrid(torus, Vector3d::Zero()));
+  const Bodies others[] = {
+      Bodies(movedOnGrid(torusSoup(16, 8, 0.5, 0.1, 0.1, random), {0, 0, 0})),
+      Bodies(Shape::sphere(0.2)), Bodies(Shape::box({0.1, 0.2, 0.3})),
+      Bodies(Shape::convexHull(boxSoup({0.1, 0.2, 0.1}, {3e5, 0, 7}).vertices))};
+  // A quarter turn has no rounding.
+  Pose X_WB;
+  X_WB.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  Scratch scratch;
+  for (const double away : {0.0, 1e3, 1e6}) {
+    const Vector3d offset(away, -away, 0.5 * away);
+    const Shape far = movedOnGrid(torus, offset);
+    const Pose X_far{X_WB.rotation, -(X_WB.rotation * offset)};
+    Random places(49);
+    int steps = 0, steps_here = 0, apart = 0;
+    for (int i = 0; i < casesToAsk(80); ++i) {
+      const Bodies& other = others[i % 4];
+      Pose X_WA = places.pose(1.5);
+      X_WA.translation -= X_WA.rotation * other.shape.boundingCenter();
+      const Interval truth = bruteSurfaces(other, X_WA, here, X_WB, scratch);
+      const DistanceResult near = distance(other.shape, X_WA, here.shape, X_WB, {}, scratch);
+      for (const bool swapped : {false, true}) {
+        const DistanceResult r = swapped ? distance(far, X_far, other.shape, X_WA, {}, scratch)
+                                         : distance(other.shape, X_WA, far, X_far, {}, scratch);
+        const std::string text = replay("far", X_WA, X_far, r, truth);
+        steps += r.iterations;
+        steps_here += near.iterations;
+        // Both hold the same truth, also if they overlap.
+        EXPECT_LE(r.distance.lower, near.distance.upper) << text;
+        EXPECT_GE(r.distance.upper, near.distance.lower) << text;
+        if (!(near.distance.lower > 0)) continue;
+        ++apart;
+        EXPECT_LE(r.distance.lower, truth.upper) << text;
+        EXPECT_GE(r.distance.upper, truth.lower) << text;
+        EXPECT_LE(r.distance.width(), 1e-6 + 1e-13 * away) << text;
+      }
+    }
+    EXPECT_LT(steps, 1.2 * steps_here + 10) << away;
+    EXPECT_GT(apart, casesToAsk(60)) << away;
+  }
+}
+
 TEST(MeshDistance, LinksOfRobots) {
   const auto files = meshFiles();
   if (files.empty()) GTEST_SKIP() << "no test data";

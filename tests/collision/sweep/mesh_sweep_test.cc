@@ -137,6 +137,50 @@ TEST(MeshSweep, HoldsAgainstPlacementsOnTheWay) {
   EXPECT_LT(counts.undecided, (counts.free + counts.contact) / 20);
 }
 
+/// Vertices far from a mesh's origin, to which its placement moves them back.
+TEST(MeshSweep, FarFromItsOriginAMeshTakesAsManyNodes) {
+  Random random(65);
+  const TriangleSoup ball = ballSoup(9, 12, 0.3, 0.05, random),
+                     torus = torusSoup(16, 8, 1, 0.2, 0, random);
+  const auto moved = [](TriangleSoup soup, const Vector3d& by) {
+    for (Vector3d& v : soup.vertices) v += by;
+    return Shape::mesh(named("far", soup).mesh);
+  };
+  Counts counts;
+  int nodes_here = 0;
+  for (const double away : {0.0, 1e3, 1e6}) {
+    const Vector3d by(away, 0.3 * away, -away);
+    const Shape a = moved(ball, {0, 0, 0}), b = moved(torus, {0, 0, 0}), far_a = moved(ball, by),
+                far_b = moved(torus, by);
+    Random places(66);
+    int nodes = 0;
+    const auto one = [&](const Shape& x, const Shape& y, const Pose& X0, const Pose& X1,
+                         const std::string& what) {
+      const StraightMotion motion(X0, X1);
+      check(x, y, motion, 1e-6, what + " from " + text(X0) + " to " + text(X1), counts);
+      Scratch scratch;
+      Seen seen(motion);
+      MeshSweepRequest request;
+      request.bend = bendOf(motion, x);
+      request.threshold = 1e-6;
+      nodes += sweepMesh(x, seen, y, request, scratch).nodes;
+    };
+    for (int i = 0; i < casesToAsk(20); ++i) {
+      const Pose X0 = places.pose(1.5), X1 = places.pose(1.5);
+      one(a, far_b, {X0.rotation, X0.translation + by}, {X1.rotation, X1.translation + by}, "to");
+      // (A turn would move a distant body far.)
+      const Vector3d back = X0.rotation * by;
+      one(far_a, b, {X0.rotation, X0.translation - back}, {X0.rotation, X1.translation - back}, "");
+    }
+    if (away == 0) nodes_here = nodes;
+    EXPECT_LT(nodes, 1.2 * nodes_here + 10) << away;
+  }
+  EXPECT_EQ(counts.unsafe, 0);
+  EXPECT_EQ(counts.wrong, 0);
+  EXPECT_GT(counts.free, casesToAsk(20));
+  EXPECT_GT(counts.contact, casesToAsk(20));
+}
+
 /// A part of a motion is queried like a whole motion.
 TEST(MeshSweep, PartsOfAMotion) {
   Random random(62);
