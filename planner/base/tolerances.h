@@ -323,9 +323,6 @@ constexpr std::int64_t kDescentWork = 50'000;    ///< work limit [units of Work]
 /// visits all. Measured: a search for each of a robot's links costs more than the balls of this
 /// number of pairs.
 constexpr std::size_t kManyPairs = 512;
-/// The first reach for a clearance [m], and the factor by which it grows until a pair is found.
-constexpr double kFirstReach = 0.1;
-constexpr double kReachGrowth = 4;
 
 // Goals
 

@@ -40,6 +40,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   workspace.pose_error = scene->edgeModel().rounding;
   collision::countInto(collision::SceneAccess::scratch(workspace), work);
   frames.countInto(work);
+  if (!frames.edges().areAllNear()) world = std::make_unique<World>(frames, workspace);
   cost_parts.reserve(kEdgeSlots);
   near_pairs.reserve(mostOpen(frames));
   asked_pairs.reserve(mostOpen(frames));
@@ -104,6 +105,17 @@ StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolera
   if (!impl.frames.begin(point, point)) return check;
   const int slot = impl.frames.place(0);
   if (slot < 0) return check;
+  if (impl.world != nullptr) {
+    // Among many obstacles, apart from all of them.
+    const EdgeClearance found = edgeClearance(point, point, {.tolerance = tolerance});
+    --statistics.edges;
+    const double most = std::max(impl.scene->scene().pairs().mostMargin(), 0.0);
+    if (found.pair >= 0 && found.clearance.lower > most && found.clearance.width() <= tolerance)
+      return {Verdict::kFree, found.clearance, found.pair, found.closest};
+    impl.frames.release(0);
+    if (!impl.frames.begin(point, point) || impl.frames.place(0) < 0) return check;
+    impl.startWork();
+  }
   const std::span<const Pose> X_WL = impl.frames.links(slot);
   for (int b = 0; b < impl.scene->bodiesOfRobot(); ++b) {
     const int link = impl.scene->bodyLink(b);

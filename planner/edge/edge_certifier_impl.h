@@ -23,6 +23,7 @@
 //   ... or a separation?                            the same, with Asking    edge_clearance.cc
 //   up to which t do they?                          LastValidRule            edge_verdict.cc
 //   what is the least clearance?                    ClearanceSearch          edge_clearance.cc
+//   ... among more obstacles than can be listed?    its RowRule, by WorldSearch over their boxes
 //   what does it cost to be near?                   CostSearch (the widest part first)  objective/edge_cost.cc
 //   is one configuration free?                      decideByLanes, checkState           edge_state.cc
 // clang-format on
@@ -46,6 +47,7 @@
 #include "planner/edge/edge_parts.h"
 #include "planner/edge/edge_queue.h"
 #include "planner/edge/pair_queries.h"
+#include "planner/edge/world_search.h"
 
 namespace leeway::planner {
 
@@ -111,6 +113,8 @@ struct EdgeCertifier::Impl {
   /// if they may come as near as their thresholds plus `reach` >= 0 [m]. False if the queue is
   /// full.
   bool takeWholeEdge(int start, int end, double reach);
+  /// The same with the pairs of EdgeScene::near_anywhere only.
+  void takeListed(int start, int end);
   /// Sweeps an interval's tasks, and keeps those that stay open. Stops at a pair that is not free
   /// and returns it.
   std::optional<PairVerdict> sweepTasks(EdgeInterval& interval);
@@ -139,6 +143,15 @@ struct EdgeCertifier::Impl {
   collision::Workspace workspace;
   collision::Work work;  ///< spent on the current edge or state
   EdgeLanes lanes;
+  /// For the clearance from more obstacles than are listed; otherwise null.
+  struct World {
+    World(EdgeFrames& frames, collision::Workspace& workspace)
+        : search(frames, workspace), rows(frames, kIntervalRows * frames.pairs().rows().size()) {}
+    static constexpr std::size_t kIntervalRows = 2048;
+    WorldSearch search;
+    EdgeQueue rows;  ///< its tasks are rows of EdgePairs
+  };
+  std::unique_ptr<World> world;
   Asked asked;
   EdgeMemory memory;  ///< of earlier edges
   EdgeQueue queue;
@@ -150,7 +163,7 @@ struct EdgeCertifier::Impl {
 
   // Lists.
 
-  collision::SpareVector<int> near_pairs, asked_pairs;  ///< of nearPairs(); of the previous call
+  collision::SpareVector<int> near_pairs, asked_pairs;  ///< of nearPairs(); of checkState()
   std::vector<std::pair<double, int>> order;            ///< pairs by coarse distance
   std::vector<CostPart> cost_parts;                     ///< a heap by their width
 

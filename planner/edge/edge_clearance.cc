@@ -1,7 +1,9 @@
 // The least clearance along an edge, by branch and bound over pairs and intervals. The upper end is
 // the least distance at some configuration. The lower end comes from sweeps. Sweeps do not bound
 // depths, so if bodies overlap, the lower end is the distance at an interval's middle minus how far
-// the pair can move from it.
+// the pair can move from it. Among many obstacles, tasks are first rows of the scene's table:
+// WorldSearch bounds a row by the boxes of static bodies, and lists its pairs in intervals that are
+// short enough to leave few.
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +13,14 @@
 #include "planner/edge/edge_certifier_impl.h"
 
 namespace leeway::planner {
+namespace {
+
+/// Nodes that are visited for a row over an interval, and pairs that are listed there, before the
+/// interval is halved [count].
+constexpr int kRowSteps = 128;
+constexpr std::size_t kRowPairs = 32;
+
+}  // namespace
 
 /// One search, and the rule that settles its tasks.
 class EdgeCertifier::Impl::ClearanceSearch {
@@ -51,22 +61,11 @@ class EdgeCertifier::Impl::ClearanceSearch {
     return isCutOff() ? -kInfinity : std::min(lower_, best.clearance.upper);
   }
 
-  /// Checks all pairs at one configuration, in the order of their coarse bounds. If there are many
-  /// pairs, those within a reach come first; the reach grows until it exceeds the least known
-  /// distance.
+  /// Checks all pairs at one configuration, in the order of their coarse bounds.
   void searchState(int slot, double t) {
-    const double rounding = impl_.frames.pairs().mostRounding();
-    impl_.asked_pairs.clear();
-    for (double reach = kFirstReach;; reach *= kReachGrowth) {
-      const double known = best.clearance.upper;
-      if (std::isfinite(known)) reach = std::max(known, 0.0) + rounding;
-      const auto [near, are_all] = impl_.nearPairs(slot, reach);
-      searchPairs(slot, t, near);
-      if (near.size() == impl_.frames.pairs().size() || !are_all ||
-          best.clearance.upper + rounding <= reach || isCutOff() || impl_.work.isSpent())
-        return;
-      impl_.asked_pairs = impl_.near_pairs;
-    }
+    searchPairs(slot, t, impl_.frames.edges().near_anywhere);
+    if (!hasRows()) return;
+    for (int row = 0; at(row) < impl_.frames.pairs().rows().size(); ++row) searchRow(slot, t, row);
   }
 
   /// Searches the pairs that balls leave within a reach of each other, for an edge without length
@@ -76,7 +75,6 @@ class EdgeCertifier::Impl::ClearanceSearch {
     const double beyond = std::max(0.0, kRoughFirst - impl_.leastMargin());
     if (impl_.lanes.sweepBeyond(impl_.frames, impl_.asked, beyond).id >= 0 || impl_.lanes.isFull())
       return;
-    impl_.asked_pairs.clear();
     impl_.near_pairs.clear();
     for (const collision::LaneSweep::Open& pair : impl_.lanes.open())
       impl_.near_pairs.push_back(pair.id);
@@ -132,16 +130,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
     ++impl_.statistics->intervals;
     impl_.queries.startInterval();
     impl_.queue.keep(interval, [&](int p) {
-      const EdgePair& pair = impl_.frames.pair(p);
-      double growth = 0;
-      double lower = impl_.queries.coarseSweep(interval, pair, growth) - pair.rounding;
-      // A sweep bounds distances, not depths.
-      if (lower < enough() && growth <= kSweepGrowth && enough() > 0 && sweeps_) {
-        swept_ = swept_ || !impl_.frames.isConvex(pair);
-        lower = std::max(
-            lower, impl_.queries.hullSweep(interval, pair, growth, enough() + pair.rounding).lower -
-                       pair.rounding);
-      }
+      const double lower = lowerOver(interval, impl_.frames.pair(p));
       return isOpen(lower >= enough(), lower);
     });
     return true;
@@ -169,6 +158,20 @@ class EdgeCertifier::Impl::ClearanceSearch {
     return !is_settled;
   }
 
+  /// A lower bound on a pair's separation over an interval, at least enough() if that is cheap.
+  double lowerOver(const EdgeInterval& interval, const EdgePair& pair) {
+    double growth = 0;
+    double lower = impl_.queries.coarseSweep(interval, pair, growth) - pair.rounding;
+    // A sweep bounds distances, not depths.
+    if (lower < enough() && growth <= kSweepGrowth && enough() > 0 && sweeps_) {
+      swept_ = swept_ || !impl_.frames.isConvex(pair);
+      lower = std::max(
+          lower, impl_.queries.hullSweep(interval, pair, growth, enough() + pair.rounding).lower -
+                     pair.rounding);
+    }
+    return lower;
+  }
+
   /// Computes the distance of one pair at one configuration: to within a quarter of the tolerance,
   /// or proves it above the least known distance, which it may lower.
   Interval refine(int slot, double t, const EdgePair& pair) {
@@ -189,15 +192,15 @@ class EdgeCertifier::Impl::ClearanceSearch {
       best.t = t;
       best.pair = pair.scene_pair;
       best.closest = result;
+      nearest_ = pair;
     }
     return result.distance;
   }
 
-  /// Searches the pairs among some that have not been checked.
+  /// Checks some pairs.
   void searchPairs(int slot, double t, std::span<const int> near) {
     impl_.order.clear();
     for (const int p : near) {
-      if (std::binary_search(impl_.asked_pairs.begin(), impl_.asked_pairs.end(), p)) continue;
       const EdgePair& pair = impl_.frames.pair(p);
       if (!impl_.asked.has(pair)) continue;
       if (impl_.frames.keepsGap(pair, best.clearance.upper + pair.rounding, t, t)) continue;
@@ -214,11 +217,123 @@ class EdgeCertifier::Impl::ClearanceSearch {
     }
   }
 
+  /// Whether pairs of the scene's table are in question and too many to list.
+  bool hasRows() const { return impl_.world != nullptr && impl_.asked.pairs != Pairs::kSelf; }
+
+  /// Checks the pairs of a row at one configuration, nearest first.
+  void searchRow(int slot, double t, int row) {
+    const int piece = impl_.frames.pairs().rows()[at(row)].piece;
+    // What is nearest nearby is likely to be near here, too.
+    if (best.pair >= 0 && !nearest_.is_self && nearest_.a == piece) refine(slot, t, nearest_);
+    const WorldSearch::Result found = impl_.world->search.run(
+        at(row), {slot, slot, 0}, std::numeric_limits<int>::max(), impl_.work,
+        [&] { return best.clearance.upper - tolerance_ / 4; },
+        [&](int p) {
+          refine(slot, t, impl_.frames.pair(p));
+          return !isCutOff();
+        });
+    // A mesh may contain what was not visited.
+    if (!found.complete && !isCutOff() && !impl_.frames.piece(piece).shape().isConvex())
+      settle(-kInfinity);
+  }
+
   /// Lists the pairs that may come as near as the least known distance.
   void listWholeEdge(int start, int end) {
+    // Depths are searched among pairs: those near contact are few.
+    if (hasRows() && enough() > 0) return listRows(start, end);
     const double reach = std::max(best.clearance.upper, 0.0) + impl_.frames.pairs().mostRounding();
     if (!impl_.takeWholeEdge(start, end, reach)) settle(-kInfinity);
   }
+
+  void listRows(int start, int end) {
+    impl_.takeListed(start, end);
+    impl_.world->rows.takeWholeEdge(start, end, [&](const EdgeInterval&, auto& rows) {
+      rows.clear();
+      for (std::size_t row = 0; row < impl_.frames.pairs().rows().size(); ++row)
+        rows.push_back(static_cast<int>(row));
+    });
+    RowRule rule(*this);
+    impl_.world->rows.subdivide(EdgeQueue::Order::kByLevel, rule);
+  }
+
+  /// The rule for the tasks of rows: settles those that are far enough, and lists the pairs of
+  /// those that leave few.
+  class RowRule {
+   public:
+    explicit RowRule(ClearanceSearch& search) : search_(search), impl_(search.impl_) {}
+
+    bool sweep(EdgeInterval& interval) {
+      if (impl_.world->rows.startsLevel()) {
+        before_ = after_;
+        after_ = kInfinity;
+      }
+      ++impl_.statistics->intervals;
+      impl_.queries.startInterval();
+      lower_ = kInfinity;
+      impl_.world->rows.keep(interval, [&](int row) { return !settles(interval, row); });
+      after_ = std::min(after_, lower_);
+      if (!impl_.work.isSpent()) return !search_.isCutOff();
+      search_.settle(std::min(before_, after_));
+      return false;
+    }
+
+    bool look(EdgeInterval& interval, int slot) {
+      if (slot >= 0)
+        for (const int row : impl_.world->rows.pairs(interval))
+          search_.searchRow(slot, interval.middle(), row);
+      if (slot < 0 || !impl_.world->rows.hasRoom(interval) ||
+          impl_.frames.used() + 1 >= kEdgeSlots || interval.level >= kDeepestLevel ||
+          impl_.queries.count > kClearanceQueries) {
+        search_.settle(lower_);
+        interval.end = interval.begin;
+      }
+      return !search_.isCutOff();
+    }
+
+   private:
+    /// Bounds a row over an interval. False if its halves may prove more.
+    bool settles(const EdgeInterval& interval, int row) {
+      const EdgePairs::Row& of = impl_.frames.pairs().rows()[at(row)];
+      const robots::MotionBound& motion = impl_.queries.motionOf(interval, of.motion);
+      const double growth = interval.h * interval.h * motion.acceleration / 8;
+      const bool stands = interval.h * motion.speed <= search_.tolerance_;
+      const int steps = stands                  ? std::numeric_limits<int>::max()
+                        : growth > kSweepGrowth ? 0
+                                                : kRowSteps;
+      search_.swept_ =
+          search_.swept_ || (steps > 0 && !impl_.frames.piece(of.piece).shape().isConvex());
+      collision::SpareVector<int>& near = impl_.near_pairs;
+      near.clear();
+      double nearest = kInfinity;
+      const auto [lower, complete] = impl_.world->search.run(
+          at(row), {interval.slot0, interval.slot1, growth}, steps, impl_.work,
+          [&] { return search_.enough(); },
+          [&](int p) {
+            const double over = search_.lowerOver(interval, impl_.frames.pair(p));
+            nearest = std::min(nearest, over);
+            if (over < search_.enough()) near.push_back(p);
+            return near.size() < (stands ? near.capacity() : kRowPairs);
+          });
+      if (complete) {
+        for (const int p : near) {
+          if (impl_.queue.add(p, interval.t0, interval.h, interval.level)) continue;
+          search_.settle(nearest);
+          break;
+        }
+        // The least bound of pairs that are not listed.
+        search_.settle(near.empty() ? std::min(lower, nearest) : std::min(lower, search_.enough()));
+        return true;
+      }
+      lower_ = std::min({lower_, lower, nearest});
+      if (stands) search_.settle(std::min(lower, nearest));
+      return stands;
+    }
+
+    ClearanceSearch& search_;
+    Impl& impl_;
+    double before_ = -kInfinity, after_ = -kInfinity;  // bounds of open tasks, by level
+    double lower_ = kInfinity;                         // of open tasks of the current interval
+  };
 
   /// Lists the intervals that are not proven to be far enough, and settles the rest. False, with
   /// nothing settled, if lanes do not apply.
@@ -273,6 +388,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   double tolerance_, cutoff_, wanted_;
   bool is_limited_;           // by the caller: the search ends at the work limit
   double lower_ = kInfinity;  // of all settled tasks
+  EdgePair nearest_{};        // that of best.pair
   bool sweeps_ = true;        // sweeps are allowed
   bool swept_ = false;        // sweeps that miss containment settled some pairs
 };
@@ -282,31 +398,49 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   ++statistics.edges;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search(impl, request);
+  EdgeClearance& best = search.best;
   // Points that were cropped from clouds may be this near.
   const double most = request.pairs == Pairs::kSelf ? kInfinity : impl.scene->completeWithin();
-  const Impl::Asking asking(impl, {.pairs = request.pairs});
-  if (impl.leastMargin() == kInfinity) {  // there are no such pairs
-    search.best.clearance.lower = most;
-    return search.best;
-  }
-  impl.startWork(request.work_limit > 0 ? request.work_limit : kClearanceWork);
-  impl.queries.count = 0;
-  const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
-  const int end = start < 0 ? -1 : impl.frames.place(1);
-  if (end < 0) {
-    search.best.clearance.lower = -kInfinity;
-    return search.best;
-  }
-  search.searchEdge(start, end);
-  if (search.needsSearchWithoutSweeps()) {
-    impl.frames.release(end + 1);
+  {
+    const Impl::Asking asking(impl, {.pairs = request.pairs});
+    if (impl.leastMargin() == kInfinity) {  // there are no such pairs
+      best.clearance.lower = most;
+      return best;
+    }
+    impl.startWork(request.work_limit > 0 ? request.work_limit : kClearanceWork);
+    impl.queries.count = 0;
+    const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
+    const int end = start < 0 ? -1 : impl.frames.place(1);
+    if (end < 0) {
+      best.clearance.lower = -kInfinity;
+      return best;
+    }
+    search.searchEdge(start, end);
+    if (search.needsSearchWithoutSweeps()) {
+      impl.frames.release(end + 1);
+      statistics.work += impl.work.done;
+      impl.startWork(impl.work.limit);
+      search.searchWithoutSweeps(start, end);
+    }
     statistics.work += impl.work.done;
-    impl.startWork(impl.work.limit);
-    search.searchWithoutSweeps(start, end);
+    best.clearance.lower = std::min(search.lowerEnd(), most);
   }
-  statistics.work += impl.work.done;
-  search.best.clearance.lower = std::min(search.lowerEnd(), most);
-  return search.best;
+  // Where limits end the search, the proofs of a certificate may bound more.
+  const bool is_short = best.clearance.upper > 0 && best.clearance.upper < kInfinity &&
+                        best.clearance.lower < best.clearance.upper / 2 && !search.isCutOff() &&
+                        !(best.clearance.lower >= std::min(request.wanted, most)) &&
+                        (request.work_limit == 0 || request.work_limit >= kClearanceWork);
+  for (int fall = 0; is_short && fall <= kProofTries; ++fall) {
+    const double wanted =
+        std::min((1 - kLeastShare) * best.clearance.upper, kRoughMost) * std::pow(kProofFall, fall);
+    if (wanted <= best.clearance.lower) break;
+    const EdgeClearance proven =
+        proveClearance(a, b, {.wanted = wanted, .work_limit = kProofWork, .pairs = request.pairs});
+    if (!proven.keeps_margins) continue;
+    best.clearance.lower = std::max(best.clearance.lower, std::min(proven.clearance.lower, most));
+    break;
+  }
+  return best;
 }
 
 EdgeClearance EdgeCertifier::nearest(std::span<const double> point, Pairs pairs, double known) {

@@ -31,6 +31,14 @@ bool EdgeCertifier::Impl::takeWholeEdge(int start, int end, double reach) {
   return has_room;
 }
 
+void EdgeCertifier::Impl::takeListed(int start, int end) {
+  queue.takeWholeEdge(start, end, [&](const EdgeInterval&, collision::SpareVector<int>& open) {
+    open.clear();
+    for (const int p : frames.edges().near_anywhere)
+      if (asked.has(frames.pair(p))) open.push_back(p);
+  });
+}
+
 std::optional<PairVerdict> EdgeCertifier::Impl::sweepTasks(EdgeInterval& interval) {
   ++statistics->intervals;
   queries.startInterval();
