@@ -212,19 +212,19 @@ TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
     std::string text = whole;
     return text.replace(text.find(from), from.size(), to);
   };
-  expectError("a.ply", "", 1, {"does not begin with a line 'ply'"});
+  expectError("a.ply", "", 1, {"is empty; \"ply\" would be accepted"});
   expectError("a.ply", "ply\nformat ascii 1.0\n", 2, {"ends within its header"});
   expectError("a.ply", with("ascii", "utf8"), 2, {"'utf8'", "ascii"});
-  expectError("a.ply", with("format ascii 1.0\n", ""), 13, {"no format"});
-  expectError("a.ply", with("vertex 3", "vertex three"), 7, {"'three'", "a whole number"});
+  expectError("a.ply", with("format ascii 1.0\n", ""), 13, {"'end_header'; a format before it"});
+  expectError("a.ply", with("vertex 3", "vertex three"), 7, {"'three'; the number of elements"});
   expectError("a.ply", with("vertex 3", "vertex -3"), 7, {"'-3'"});
-  expectError("a.ply", with("element vertex", "element point"), 14, {"no element vertex"});
+  expectError("a.ply", with("element vertex", "element point"), 1, {"no element vertex"});
   expectError("a.ply", with("property double y", "property double w"), 7, {"no property 'y'"});
   expectError("a.ply", with("property double y", "property real y"), 10, {"'real'"});
   expectError("a.ply", with("property double y", "properties"), 10, {"'properties'"});
-  expectError("a.ply", with("vertex 3", "vertex 9"), 20, {"ends after 4 of 9"});
-  expectError("a.ply", with("1 128 2 3", "1 128 2"), 16, {"3 numbers", "4 properties"});
-  expectError("a.ply", with("1 128 2 3", "1 128 2 3 4"), 16, {"'4' follows"});
+  expectError("a.ply", with("vertex 3", "vertex 9"), 20, {"ends here, after 4 of 9"});
+  expectError("a.ply", with("1 128 2 3", "1 128 2"), 16, {"the line ends too early"});
+  expectError("a.ply", with("1 128 2 3", "1 128 2 3 4"), 16, {"'4' cannot be used here"});
   expectError("a.ply", with("1 128 2 3", "1 128 2e400 3"), 16, {"too large"});
   expectError("a.ply", with("property double y", "property double x"), 7, {"two properties 'x'"});
   expectError("a.ply", with("end_header", "element vertex 1\nend_header"), 14,
@@ -233,25 +233,25 @@ TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
   const std::string header = ply("binary_little_endian");
   const std::string binary = header + plyRecords(false);
   expectError("a.ply", binary.substr(0, binary.size() - 14), 0,
-              {"byte", "ends after 2 of 3 rows of the element 'vertex'"});
+              {"byte", "ends here, after 2 of 3 rows of the element 'vertex'"});
   expectError("a.ply", binary.substr(0, binary.size() - 1), 0, {"a list of 3 entries"});
   expectError("a.ply", binary.substr(0, binary.size() - 13), 0,
-              {"ends after 0 of 1 rows of the element 'face'"});
+              {"ends here, after 0 of 1 rows of the element 'face'"});
   expectError("a.ply", ply("binary_little_endian", "2000000000") + plyRecords(false, false), 0,
-              {"ends after 3 of 2000000000"});
+              {"ends here, after 3 of 2000000000"});
   // Regression: points that the header does not count were lost where an element follows them.
   expectError("a.ply", with("vertex 3", "vertex 2").replace(whole.find("face 1"), 6, "face 0"), 18,
-              {"more follows the last element"});
+              {"'3' follows the last element"});
   expectError("a.ply", with("vertex 3", "vertex 2"), 18, {"'128'"});
   expectError("a.ply", header + plyRecords(false) + std::string(13, '\0'), 0,
-              {"more follows the last element"});
+              {"13 bytes follow the last element"});
   std::string list = binary;
   list[header.size()] = '\xFF';
   expectError("a.ply", list, 0, {"a list of 255 entries"});
   expectError("b.ply",
               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
               "property float z\nend_header\n1 2 3\n\n4 5 6\n",
-              10, {"more follows the last element"});
+              10, {"'4' follows the last element"});
 }
 
 TEST_F(CloudFiles, DamagedPcdsNameTheirPlace) {

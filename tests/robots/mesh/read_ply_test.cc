@@ -71,9 +71,12 @@ TEST(ReadPly, Binary) {
     expectSquare(readAs(readPly, bytes.text()));
     expectSquare(readAs(readPly, bytes.text() + "\n"));
     const std::size_t size = bytes.text().size();
+    expectRefused(readPly, {bytes.text().substr(0, size - 1),
+                            ", byte " + std::to_string(size - 1),
+                            {"the file ends here, after 0 of 1 rows of the element 'face'"}});
     expectRefused(readPly, {bytes.text().substr(0, size - 3),
-                            ", byte " + std::to_string(size - 3),
-                            {"the file ends here"}});
+                            ", byte " + std::to_string(size - 19),
+                            {"a list of 4 entries does not fit into the file"}});
     expectRefused(readPly, {bytes.text() + "more",
                             ", byte " + std::to_string(size),
                             {"4 bytes follow the last element"}});
@@ -114,7 +117,9 @@ TEST(ReadPly, DamagedFiles) {
     return text.replace(text.find(a), a.size(), b);
   };
   const std::string whole = kSquareHeader + kSquare + "4 0 1 2 3\n";
-  refused({kSquareHeader + kSquare, ":15", {"the file ends here, before the last element"}});
+  refused({kSquareHeader + kSquare,
+           ":15",
+           {"the file ends here, after 0 of 1 rows of the element 'face'"}});
   refused({whole + "3 0 1 2\n", ":16", {"'3' follows the last element"}});
   refused({replaced(whole, "1 0 .1\n", "1 0\n"), ":12", {"the line ends too early"}});
   refused({replaced(whole, "1 0 .1\n", "1 0 .1 7\n"), ":12", {"'7' cannot be used here"}});
@@ -127,16 +132,24 @@ TEST(ReadPly, DamagedFiles) {
   refused({replaced(whole, "4 0 1 2 3", "4 0 1 2 1.5"), ":15", {"'1.5'"}});
   refused({replaced(whole, "4 0 1 2 3", "-4 0 1 2 3"), ":15", {"'-4'"}});
   refused({replaced(whole, "ply", "poly"), ":1", {"begins with 'poly'; \"ply\""}});
+  // Regression: of two formats the last counted, and two elements of vertices were one.
+  refused({replaced(whole, "element face", "format ascii 1.0\nelement face"),
+           ":8",
+           {"format stands twice"}});
+  refused({replaced(whole, "element face", "element vertex 0\nelement face"),
+           ":8",
+           {"element vertex stands twice"}});
+  refused({replaced(whole, "format ascii 1.0", "format ascii"), ":2", {"a version"}});
+  refused({replaced(whole, "element face 1", "element face 1 2"), ":8", {"'2'; the end of the"}});
   refused({replaced(whole, "ascii", "text"), ":2", {"'text'; ascii, binary_little_endian"}});
   refused({replaced(whole, "format ascii 1.0\n", ""), ":9", {"'end_header'; a format before it"}});
   refused({replaced(whole, "vertex 4", "vertex four"), ":4", {"'four'; the number of elements"}});
   refused({replaced(whole, "property double x", "property real x"), ":5", {"'real'; char, uchar"}});
-  refused(
-      {replaced(whole, "property double x", "property double u"), ":4", {"without x, y and z"}});
-  refused({replaced(whole, "property float y", "property float x"), ":4", {"without x, y and z"}});
+  refused({replaced(whole, "property double x", "property double u"), ":4", {"no property 'x'"}});
+  refused({replaced(whole, "property float y", "property float x"), ":4", {"two properties 'x'"}});
   refused({replaced(whole, "property float y", "property float x\nproperty float y"),
            ":4",
-           {"two properties of one name"}});
+           {"two properties 'x'"}});
   refused({replaced(whole, "element face", "elemnt face"), ":8", {"'elemnt'; element would be"}});
   refused({replaced(whole, "vertex_indices", "corners"), ":8", {"no list of its vertices"}});
   refused({kSquareHeader.substr(0, kSquareHeader.find("property float64")),
