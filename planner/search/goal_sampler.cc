@@ -160,8 +160,10 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
     // The regions omit a rim of what constraints allow, so they prove nothing. Finally the goal
     // alone is solved; its solutions may satisfy the constraints.
     const bool is_last = effort.starts == kPoseStarts && drawn.found.empty();
-    options.prove = is_last && !constraints_;
+    options.prove = is_last;
     if (is_last && constraints_) drawn.poses = goal.poses;
+    drawn.broken.clear();
+    drawn.breaking = 0;
     solved = kinematics_->solve(drawn.poses, problem_.start, options);
     starts = solved.starts;
     drawn.complete = solved.complete;
@@ -177,15 +179,17 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
   std::string reason;
   if (unreachable)
     reason = "out of reach: proven";
-  else if (drawn.found.empty() && constraints_)
+  else if (drawn.found.empty() && drawn.breaking > 0)
     reason = fmt::format(
-        "no joint values that also keep the constraints were found for it from {} starts", starts);
+        "none of {} sets of joint values that were found for it keeps the constraints; of the "
+        "first, {}",
+        drawn.breaking, drawn.broken);
   else if (drawn.found.empty())
     reason = fmt::format(
-        "no joint values were found for it from {} starts; the nearest are {:.3g} mm and {:.3g} "
+        "no joint values were found for it from {} starts{}; the nearest are {:.3g} mm and {:.3g} "
         "degrees off",
-        starts, solved.nearest.error.position * 1e3,
-        solved.nearest.error.angle * 180 / std::numbers::pi);
+        starts, constraints_ ? ", even without the constraints" : "",
+        solved.nearest.error.position * 1e3, solved.nearest.error.angle * 180 / std::numbers::pi);
   if (!reason.empty() && result.reason.empty() && !stopped) {
     result.reason = "goal '" + goal.name + "': " + reason;
     result.unreachable = unreachable;
@@ -263,8 +267,12 @@ void GoalSampler::take(PoseGoal& drawn, std::span<const robots::IkSolution> solu
   for (const robots::IkSolution& solution : solutions) {
     const std::vector<double>& q = solution.values;
     if (isKnown(drawn, q) || !certifier_->scene().space().withinLimits(q) ||
-        !goalHolds(certifier_->scene(), problem_.goals[drawn.goal], q) || !keepsConstraints(q))
+        !goalHolds(certifier_->scene(), problem_.goals[drawn.goal], q))
       continue;
+    if (!keepsConstraints(q)) {
+      if (drawn.breaking++ == 0) drawn.broken = constraints_->fault(q);
+      continue;
+    }
     drawn.idle = 0;
     drawn.found.push_back(q);
     if (certifier_->decide(q) == Verdict::kFree)

@@ -44,6 +44,8 @@ class GoalSampler {
     int idle = 0;                                  ///< draws since the last new solution
     std::vector<robots::IkSolution> pending = {};  ///< known, but not yet checked
     std::vector<std::vector<double>> found = {};   ///< valid or not
+    int breaking = 0;                              ///< solutions that break a constraint
+    std::string broken = {};                       ///< which one the first of them breaks
   };
   /// Whether the constraints hold at a point.
   bool keepsConstraints(std::span<const double> point) {

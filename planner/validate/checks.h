@@ -85,7 +85,8 @@ inline bool isConstrained(const Problem& problem) {
 /// Returns the fault of one constraint: "WHERE.angle is ...".
 std::optional<Fault> constraintFault(const Problem& problem, const Constraint& constraint,
                                      const std::string& where);
-/// Returns why a problem with constraints, or with a condition, cannot be planned.
+/// Returns why a problem with constraints, or with a condition, cannot be planned. O(pairs of
+/// constraints).
 std::optional<std::string> constraintsFault(const Problem& problem);
 
 /// Returns the fault of a pose, "is at (nan, 0, 0); ...", to follow "the pose of 'a'" in a message;
@@ -191,6 +192,8 @@ std::vector<robots::Geometry> carveShapes(const Problem& problem,
                                           std::span<const std::string> names,
                                           std::span<const double> configuration);
 std::vector<PointCloud::Ball> robotReach(const Problem& problem);
+/// The ball in the world that a point of a link never leaves, whatever the planned joints do.
+PointCloud::Ball pointReach(const Problem& problem, int link, const Eigen::Vector3d& p_L);
 /// poseRegion() for a problem that passed checkRobot(). `base_moves`: whether it may be relative to
 /// what planned joints move, which is then the region's base.
 robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose, bool base_moves = false);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -45,6 +46,76 @@ Eigen::Matrix3d withAxis(const Eigen::Vector3d& vector) {
 
 std::string vectorText(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
+}
+
+double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// The least angle between a rotation that one constraint allows and one that another allows, both
+/// without their tolerances, seen from the frame of relative_to.
+double turnBetween(const Constraint& a, const Constraint& b) {
+  if (a.turn == Turn::kAny || b.turn == Turn::kAny) return 0;
+  const Eigen::Matrix3d &R_a = a.X_SR.rotation, &R_b = b.X_SR.rotation;
+  if (a.turn == Turn::kFixed && b.turn == Turn::kFixed)
+    return axisTurn((R_a * a.rotation).transpose() * (R_b * b.rotation)).angle;
+  if (a.turn == Turn::kAxis && b.turn == Turn::kFixed) return turnBetween(b, a);
+  const Eigen::Vector3d direction_b = R_b * b.direction;
+  if (a.turn == Turn::kFixed) return angleBetween(R_a * (a.rotation * b.axis), direction_b);
+  // A rotation keeps the angle between the two axes.
+  return std::abs(angleBetween(a.axis, b.axis) - angleBetween(R_a * a.direction, direction_b));
+}
+
+/// How far places that one constraint allows are from those that another allows, without their
+/// tolerances [m]. Those of different frames are not compared.
+double placesBetween(const Constraint& a, const Constraint& b) {
+  if (a.X_SR.rotation != b.X_SR.rotation || a.X_SR.translation != b.X_SR.translation) return 0;
+  Eigen::Vector3d gap;
+  for (std::size_t i = 0; i < 3; ++i)
+    gap[static_cast<Eigen::Index>(i)] =
+        std::max(0.0, std::max(a.position[i].first, b.position[i].first) -
+                          std::min(a.position[i].second, b.position[i].second));
+  return gap.norm();
+}
+
+/// Returns how two constraints of one frame, seen from one reference, contradict each other; empty
+/// if both may hold.
+std::string contradiction(const Constraint& a, const Constraint& b) {
+  constexpr double kRounding = 1e-9;  // [m], [rad]
+  if (a.frame != b.frame || a.relative_to != b.relative_to) return "";
+  const double apart = placesBetween(a, b), within = a.position_tolerance + b.position_tolerance;
+  if (apart > within + kRounding)
+    return fmt::format(
+        "the places that they allow '{}' are {:.6g} m apart, and their tolerances add up to {:.6g} "
+        "m",
+        a.frame, apart, within);
+  const double turn = turnBetween(a, b), least = a.angle + b.angle;
+  if (turn > least + kRounding)
+    return fmt::format(
+        "the rotations that they allow '{}' are {:.6g} rad apart, and their angles add up to "
+        "{:.6g} rad",
+        a.frame, turn, least);
+  return "";
+}
+
+/// Returns why no configuration brings the constraint's frame to its place; empty if one may.
+std::string whyBeyondReach(const Problem& problem, const Constraint& constraint) {
+  const robots::PoseRegion frame = frameOf(problem, constraint);
+  if (frame.base >= 0 || problem.start.size() != problem.robot.model->variables.size()) return "";
+  const auto [center_W, radius] = pointReach(problem, frame.link, frame.X_LF.translation);
+  const Eigen::Vector3d center = frame.X_WR.inverse() * center_W;
+  Eigen::Vector3d gap;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const auto& [from, to] = constraint.position[i];
+    gap[k] = std::max({0.0, from - center[k], center[k] - to});
+  }
+  const double beyond = gap.norm() - radius - constraint.position_tolerance;
+  if (!(beyond > 0)) return "";
+  return fmt::format(
+      "is out of the reach of '{}' by at least {:.6g} m; a place within {:.6g} m of {} "
+      "is expected",
+      constraint.frame, beyond, radius, vectorText(center));
 }
 
 }  // namespace
@@ -140,7 +211,8 @@ std::optional<Fault> constraintFault(const Problem& problem, const Constraint& c
   if (const std::string wrong = poseFault(constraint.X_SR); !wrong.empty())
     return fault("X_SR", wrong);
   try {
-    frameOf(problem, constraint);
+    if (const std::string why = whyBeyondReach(problem, constraint); !why.empty())
+      return fault("position", why);
   } catch (const std::invalid_argument& error) {
     return Fault{where + ": " + error.what(), "frame", {}};
   }
@@ -164,6 +236,14 @@ std::optional<std::string> constraintsFault(const Problem& problem) {
       return fmt::format(
           "constraints[{}]: two constraints are named '{}'; a name of its own is expected for each",
           i, name);
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (const std::string why = contradiction(problem.constraints[k], problem.constraints[i]);
+          !why.empty())
+        return fmt::format(
+            "constraints[{}] and constraints[{}] contradict each other: {}; constraints that can "
+            "hold at once are expected",
+            k, i, why);
   const std::string what =
       problem.constraints.empty() ? "there is a condition" : "there are constraints";
   if (!problem.steps.empty())

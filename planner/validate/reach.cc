@@ -100,29 +100,55 @@ std::vector<Geometry> carveShapes(const Problem& problem, std::span<const std::s
   return all_W;
 }
 
-std::vector<Ball> robotReach(const Problem& problem) {
-  const Model& model = *problem.robot.model;
-  const std::vector<Pose> X_WL = placeLinks(problem, {});
-  std::vector<robots::VariableRange> ranges(model.variables.size());
-  for (std::size_t v = 0; v < ranges.size(); ++v) ranges[v] = {problem.start[v], problem.start[v]};
-  const std::vector<robots::VariableRange> limits = robots::limitRanges(model);
-  for (const int v : problem.robot.variables) ranges[at(v)] = limits[at(v)];
-  std::vector<Ball> reach;
-  const auto add = [&](int link, const Geometry& geometry, const Pose& X_LB) {
-    const Eigen::Vector3d center_L = X_LB * (geometry.X_BG * geometry.shape.boundingCenter());
-    const double radius = geometry.shape.boundingRadius();
-    const auto motion = robots::relativeMotion(model, link, -1, center_L, radius, ranges);
+namespace {
+
+/// The ball that contains a ball of a link wherever the planned joints move it.
+class Reaches {
+ public:
+  explicit Reaches(const Problem& problem)
+      : model_(*problem.robot.model),
+        X_WL_(placeLinks(problem, {})),
+        ranges_(model_.variables.size()) {
+    for (std::size_t v = 0; v < ranges_.size(); ++v)
+      ranges_[v] = {problem.start[v], problem.start[v]};
+    const std::vector<robots::VariableRange> limits = robots::limitRanges(model_);
+    for (const int v : problem.robot.variables) ranges_[at(v)] = limits[at(v)];
+  }
+
+  Ball of(int link, const Eigen::Vector3d& center_L, double radius) const {
+    const auto motion = robots::relativeMotion(model_, link, -1, center_L, radius, ranges_);
     // The parent of the first joint that moves is nearer than the world's origin.
     const int base =
-        motion.terms.empty() ? -1 : model.joints[at(motion.terms.front().joint)].parent_link;
+        motion.terms.empty() ? -1 : model_.joints[at(motion.terms.front().joint)].parent_link;
     Ball ball{Eigen::Vector3d::Zero(), motion.base_reach};
     if (motion.terms.empty())
-      ball = {X_WL[at(link)] * center_L, radius};
+      ball = {X_WL_[at(link)] * center_L, radius};
     else if (base >= 0)
-      ball = {X_WL[at(base)].translation,
-              robots::relativeMotion(model, link, base, center_L, radius, ranges).base_reach};
-    ball.radius += robots::kinematicsRounding(model, ball.center.norm() + ball.radius);
-    reach.push_back(ball);
+      ball = {X_WL_[at(base)].translation,
+              robots::relativeMotion(model_, link, base, center_L, radius, ranges_).base_reach};
+    ball.radius += robots::kinematicsRounding(model_, ball.center.norm() + ball.radius);
+    return ball;
+  }
+
+ private:
+  const Model& model_;
+  std::vector<Pose> X_WL_;
+  std::vector<robots::VariableRange> ranges_;
+};
+
+}  // namespace
+
+Ball pointReach(const Problem& problem, int link, const Eigen::Vector3d& p_L) {
+  return Reaches(problem).of(link, p_L, 0);
+}
+
+std::vector<Ball> robotReach(const Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const Reaches reaches(problem);
+  std::vector<Ball> reach;
+  const auto add = [&](int link, const Geometry& geometry, const Pose& X_LB) {
+    reach.push_back(reaches.of(link, X_LB * (geometry.X_BG * geometry.shape.boundingCenter()),
+                               geometry.shape.boundingRadius()));
   };
   for (std::size_t l = 0; l < model.links.size(); ++l)
     for (const Geometry& geometry : model.links[l].geometries)

@@ -611,6 +611,113 @@ TEST(Constraints, EndsThatBreakOneAreToldBeforePlanning) {
       << result.reason;
 }
 
+std::string refusalOf(const Problem& problem) {
+  try {
+    validate(problem);
+  } catch (const robots::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Constraint plane(double z) {
+  Constraint constraint;
+  constraint.name = "plane";
+  constraint.frame = "hand";
+  constraint.position[2] = {z, z};
+  return constraint;
+}
+
+// Regression: the message blamed the start.
+TEST(Constraints, ContradictionsAreRefusedBeforePlanning) {
+  Problem problem = armProblem("arm7");
+  const auto expect = [&](Constraint a, Constraint b, const std::string& words) {
+    a.name = "a";
+    b.name = "b";
+    for (const auto& pair : {std::vector{a, b}, std::vector{b, a}}) {
+      problem.constraints = pair;
+      const std::string refusal = refusalOf(problem);
+      if (words.empty())
+        EXPECT_EQ(refusal, "");
+      else
+        EXPECT_NE(refusal.find("constraints[0] and constraints[1] contradict each other: " + words),
+                  std::string::npos)
+            << refusal;
+    }
+  };
+  expect(plane(0.4), plane(0.5), "the places that they allow 'hand' are 0.1 m apart");
+  expect(plane(0.4), plane(0.4015), "");
+  Constraint line = plane(0.4), beside = plane(0.4);
+  line.position[1] = {0.1, 0.2};
+  beside.position = {Constraint::kFree, {0.3, 0.3}, {0.3, 0.3}};
+  expect(line, beside, "the places that they allow 'hand' are 0.141421 m apart");
+  beside.X_SR.translation.x() = 1;  // another frame is not compared
+  expect(line, beside, "");
+
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
+  Constraint up = upright("hand", z, 0.1), down = up, other = up;
+  down.direction = -2 * z;
+  expect(up, down, "the rotations that they allow 'hand' are 3.14159 rad apart");
+  down.axis = -z;
+  expect(up, down, "");
+  other.axis = x;
+  expect(up, other, "the rotations that they allow 'hand' are 1.5708 rad apart");
+  other.direction = Eigen::Vector3d(1, 0, 0.15);
+  expect(up, other, "");
+  Constraint fixed = up, turned = up;
+  fixed.turn = turned.turn = Turn::kFixed;
+  fixed.rotation = Eigen::AngleAxisd(0.3, x).toRotationMatrix();
+  expect(fixed, up, "the rotations that they allow 'hand' are 0.3 rad apart");
+  expect(fixed, turned, "the rotations that they allow 'hand' are 0.3 rad apart");
+  turned.rotation = Eigen::AngleAxisd(0.15, x).toRotationMatrix();
+  expect(fixed, turned, "");
+  turned.rotation = fixed.rotation * Eigen::AngleAxisd(-0.3, z).toRotationMatrix();
+  turned.X_SR.rotation = Eigen::AngleAxisd(0.3, z).toRotationMatrix();
+  turned.rotation = turned.X_SR.rotation.transpose() * fixed.rotation;
+  expect(fixed, turned, "");
+}
+
+TEST(Constraints, APlaceOutOfReachIsRefusedBeforePlanning) {
+  Problem problem = armProblem("arm7");
+  problem.constraints = {plane(5)};
+  EXPECT_NE(refusalOf(problem).find("constraints[0].position is out of the reach of 'hand' by at "
+                                    "least "),
+            std::string::npos)
+      << refusalOf(problem);
+  problem.constraints = {plane(0.5)};
+  EXPECT_EQ(refusalOf(problem), "");
+}
+
+// Regression: both were "no joint values that also keep the constraints".
+TEST(Constraints, AGoalOffAConstraintNamesIt) {
+  Problem problem = armProblem("arm7");
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
+  const Pose& X_WH = X_WL[static_cast<std::size_t>(problem.robot.model->findLink("hand"))];
+  FramePose goal;
+  goal.frame = "hand";
+  const Eigen::Vector3d p = X_WH.translation - Eigen::Vector3d(0, 0, 0.05);
+  for (std::size_t i = 0; i < 3; ++i)
+    goal.position[i] = {p[static_cast<Eigen::Index>(i)], p[static_cast<Eigen::Index>(i)]};
+  goal.rpy.fill({-std::numbers::pi, std::numbers::pi});
+  problem.constraints = {plane(X_WH.translation.z())};
+  problem.goals = {Goal{.name = "below", .ranges = {}, .poses = {poseRegion(problem, goal)}}};
+  PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal);
+  EXPECT_NE(result.reason.find("keeps the constraints; of the first, constraint 'plane': 'hand' is "
+                               "off where it may be by 0.05"),
+            std::string::npos)
+      << result.reason;
+  EXPECT_FALSE(result.unreachable);
+
+  goal.position[0] = {4, 4};
+  problem.goals[0].poses = {poseRegion(problem, goal)};
+  result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal);
+  EXPECT_NE(result.reason.find("out of reach: proven"), std::string::npos) << result.reason;
+  EXPECT_TRUE(result.unreachable);
+}
+
 // Regression: points of a narrow range around a goal that keeps a constraint broke it, and the
 // range was called undecided.
 TEST(Constraints, ARangeAroundAGoalThatKeepsOneIsReached) {
