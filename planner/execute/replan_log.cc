@@ -138,6 +138,7 @@ std::string logLine(const Problem& problem, const ReplanResult& result, double l
                      {"follows", result.follows},
                      {"waits", result.waits},
                      {"evasions", result.evasions},
+                     {"clouds", cloudsJson(problem)},
                      {"time_s",
                       {{"load", load_s},
                        {"compute", result.compute_s},

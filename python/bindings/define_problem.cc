@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "leeway/planner/cloud_notes.h"
 #include "leeway/planner/placed_at.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
@@ -272,6 +273,10 @@ void defineProblem(py::module_& module) {
       [](const Problem& self) { return listOf(planner::problemWarnings(*self)); },
       "What is odd about its robot, files and objects: with file and line if it was loaded; meshes "
       "that are not closed.");
+  defineConstant(
+      problem, "notes", [](const Problem& self) { return listOf(planner::cloudNotes(*self)); },
+      "What no answer covers of its point clouds: points that filters removed, and space that was "
+      "not seen.");
   problem.def("__repr__", [](const Problem& self) {
     return "<leeway.Problem '" + self->name + "': " + std::to_string(self.size()) +
            " planned joints among " +

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "leeway/planner/cloud_notes.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/task.h"
 #include "leeway/planner/verify.h"
@@ -197,7 +198,7 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
 
 /// An outcome, with what is odd about its problem.
 struct Verification : planner::VerifyResult {
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, notes;
 };
 
 Verification verify(const Problem& problem, const py::object& path, bool shortest,
@@ -209,7 +210,7 @@ Verification verify(const Problem& problem, const py::object& path, bool shortes
   planner::PlanOptions options;
   options.stop = interrupt.callback();
   Verification result{released([&] { return planner::verify(*value, given, options); }),
-                      planner::problemWarnings(*value)};
+                      planner::problemWarnings(*value), planner::cloudNotes(*value)};
   interrupt.rethrow();
   return result;
 }
@@ -222,7 +223,7 @@ Verification verifyLog(const Problem& problem, const py::object& file, const py:
   planner::PlanOptions options;
   options.stop = interrupt.callback();
   Verification result{released([&] { return planner::verifyLog(*value, name, options); }),
-                      planner::problemWarnings(*value)};
+                      planner::problemWarnings(*value), planner::cloudNotes(*value)};
   interrupt.rethrow();
   return result;
 }
@@ -301,6 +302,9 @@ void defineVerification(py::module_& module) {
       result, "unchecked", [](const Verification& self) { return uncheckedList(self.unchecked); },
       "Pairs that were not looked at, as Certificate.unchecked.");
   defineConstant(result, "warnings", &Verification::warnings, "Those of the problem.");
+  defineConstant(
+      result, "notes", [](const Verification& self) { return listOf(self.notes); },
+      "Those of the problem.");
   result.def("__bool__", [](const Verification& self) {
     return self.status == planner::VerifyStatus::kCertified;
   });

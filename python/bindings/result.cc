@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "leeway/planner/cloud_notes.h"
 #include "leeway/planner/path_io.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
@@ -305,6 +306,10 @@ void defineResult(py::module_& module) {
   property(
       "warnings", [](const planner::PlanResult& value) { return listOf(value.warnings); },
       "Margins and objects that have no effect, and goals that were left out.");
+  defineConstant(
+      result, "notes",
+      [](const Result& self) { return listOf(planner::cloudNotes(*self.problem)); },
+      "Those of its problem.");
   defineConstant(
       result, "offending",
       [](const Result& self) { return pairObject(self.value.offending_a, self.value.offending_b); },

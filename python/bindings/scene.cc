@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "leeway/planner/cloud_notes.h"
 #include "leeway/planner/plan.h"
 #include "python/base/at.h"
 #include "python/base/define.h"
@@ -181,6 +182,7 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   const std::shared_ptr<const planner::Problem> problem = self.current();
   if (result.limit.empty()) result.limit = planner::brokenConstraint(scene, *problem, result.point);
   result.nothing_checked = scene.nothingChecked();
+  result.notes = planner::cloudNotes(*problem);
   forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
     result.check = certifier.clearance(result.point, tolerance);
     std::tie(result.a, result.b) = pairNames(scene, result.check.pair);
@@ -319,6 +321,9 @@ void defineState(py::module_& module) {
       state, "positions",
       [](const State& self) { return array(std::span<const double>(self.point)); },
       "The state: (joints,) [rad or m].");
+  defineConstant(
+      state, "notes", [](const State& self) { return listOf(self.notes); },
+      "Those of the problem.");
   state.def("__bool__", isValid);
   state.def("__repr__", stateText);
 

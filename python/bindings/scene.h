@@ -44,10 +44,11 @@ struct Scene {
 struct State {
   std::vector<double> point;
   planner::StateCheck check;
-  std::string limit;            ///< the first limit that it breaks, in words; empty: none
-  std::string a, b;             ///< the closest pair
-  std::string near_a, near_b;   ///< a pair that does not keep its margin
-  std::string nothing_checked;  ///< CompiledScene::nothingChecked()
+  std::string limit;                    ///< the first limit that it breaks, in words; empty: none
+  std::string a, b;                     ///< the closest pair
+  std::string near_a, near_b;           ///< a pair that does not keep its margin
+  std::string nothing_checked;          ///< CompiledScene::nothingChecked()
+  std::vector<std::string> notes = {};  ///< planner::cloudNotes()
 };
 
 const char* verdictName(planner::Verdict verdict);

@@ -24,6 +24,12 @@ def test_a_cloud_is_planned_among_and_verified(robot):
         assert result and result.certificate.lower >= 0.01 and leeway.verify(result.problem, result)
         answers.append(result.certificate.lower)
     assert np.isclose(*answers, atol=1e-4)
+    # Every answer says what it does not cover.
+    notes = result.problem.notes
+    assert list(notes) == ["cloud 'post': space that was not seen counts as free"]
+    verified, state = leeway.verify(result.problem, result), leeway.Scene(result.problem).check("start")
+    assert result.notes == verified.notes == state.notes == notes
+    assert leeway.plan(robot, None, start, goal).notes == notes[:0]
 
 
 def test_any_strides_and_radii(world):

@@ -137,6 +137,9 @@ TEST_F(Info, ACloudIsOneEntry) {
     EXPECT_EQ(run(std::string(verb) + " cloud.yaml path.json --json").document()["clouds"],
               json::array({cloud}))
         << verb;
+  EXPECT_EQ(run("check cloud.yaml --state start --json").document()["clouds"],
+            json::array({cloud}));
+  EXPECT_EQ(run("replan cloud.yaml --json").lines().back()["clouds"], json::array({cloud}));
   for (const char* verb : {"check", "plan", "lint"})
     EXPECT_LE(run(std::string(verb) + " cloud.yaml").status, 1) << verb;
   EXPECT_EQ(run("lint cloud.yaml").status, 0) << run("lint cloud.yaml").out;

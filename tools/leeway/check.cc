@@ -332,7 +332,8 @@ int runCheck(const CheckArguments& arguments) {
                {"seed", problem.seed},
                {"reason", nothing_checked.empty() ? Json() : Json(nothing_checked)},
                {"states", list},
-               {"not_checked", planner::uncheckedJson(unchecked)}});
+               {"not_checked", planner::uncheckedJson(unchecked)},
+               {"clouds", planner::cloudsJson(problem)}});
   } else {
     fmt::print("{}", wrapped((nothing_checked.empty()
                                   ? planner::toString(unchecked) + obstaclesText(problem)

@@ -274,7 +274,7 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
       profile.nothing_checked.empty() ? profile.broken : profile.nothing_checked;
   document["reason"] = reason.empty() ? Json() : Json(reason);
   document["not_checked"] = planner::uncheckedJson(profile.unchecked());
-  document["clouds"] = cloudsJson(problem);
+  document["clouds"] = planner::cloudsJson(problem);
   document["seed"] = problem.seed;
   document["world"] = wholeJson(profile, profile.world, &Stretch::world);
   document["self"] = wholeJson(profile, profile.self, &Stretch::self);

@@ -576,7 +576,8 @@ class Session {
       if (line.is_observation) {
         const planner::Observation result = observe(line);
         document["observation"] = planner::toString(result);
-        document["cloud"] = line.cloud ? cloudJson({line.object, {}, {}, line.cloud}) : Json();
+        document["cloud"] =
+            line.cloud ? planner::cloudJson({line.object, {}, {}, line.cloud}) : Json();
         if (result == planner::Observation::kInvalid) tellFault(message = refusalOfSight(line));
         return tell(message);
       }

@@ -85,6 +85,8 @@ and at the end, with version:
   steps, plans, follows, waits, evasions
                           how many, and how many by decision
   replans                 plans besides the first
+  clouds[]                of the problem: name, balls, largest_radius, unseen (free, occupied),
+                          complete_within, filters that removed balls, bytes
   time_s                  of computing: load, compute (all steps), longest_step
   sum                     as above
 The lines are a log: `leeway verify PROBLEM.yaml --log FILE` proves what they state.

@@ -146,7 +146,7 @@ int runVerify(VerifyArguments& arguments) {
   endProgress();
   if (arguments.json) {
     Json document = toJson(result);
-    document["clouds"] = cloudsJson(problem);
+    document["clouds"] = planner::cloudsJson(problem);
     document["seed"] = problem.seed;
     document["warnings"] = warnings;
     document["interrupted"] = interrupted();

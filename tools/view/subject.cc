@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "collision/base/numbers.h"
+#include "leeway/planner/cloud_notes.h"
 #include "leeway/planner/verify.h"
 #include "planner/constraint/constraint_proof.h"
 #include "planner/validate/checks.h"
@@ -111,7 +112,7 @@ void addLines(const std::string& text, Subject& subject) {
 
 /// Notes what was left out of clouds, and what unseen space counts as.
 void noteClouds(Subject& subject) {
-  for (const std::string& note : cloudNotes(subject.problem))
+  for (const std::string& note : planner::cloudNotes(subject.problem))
     subject.notes.push_back("Note: " + note + ".");
 }
 

@@ -343,7 +343,7 @@ Json problemJson(const planner::Problem& problem) {
           {"steps", steps},
           {"objects", objects},
           {"attached", attached},
-          {"clouds", cloudsJson(problem)},
+          {"clouds", planner::cloudsJson(problem)},
           {"moving", movingJson(problem)},
           {"deforming", deformingJson(problem)},
           {"execution", executionJson(problem)},

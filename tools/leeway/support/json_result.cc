@@ -54,7 +54,7 @@ Json certificateJson(const planner::Problem& problem, const planner::Certificate
   document["interpolation"] =
       planner::ConfigurationSpace(problem.robot.model, problem.robot.variables).interpolation();
   document["not_checked"] = planner::uncheckedJson(certificate.unchecked);
-  document["clouds"] = cloudsJson(problem);
+  document["clouds"] = planner::cloudsJson(problem);
   document["constraints"] = constraintsJson(certificate.constraints);
   return document;
 }
@@ -111,27 +111,6 @@ Json constraintsJson(const std::vector<planner::ConstraintResult>& results) {
     constraints.push_back(
         {{"name", result.name}, {"deviation", result.deviation}, {"angle", result.angle}});
   return constraints;
-}
-
-Json cloudJson(const planner::Object& object) {
-  const planner::PointCloud& cloud = *object.cloud;
-  Json filters = Json::array();
-  for (const planner::CloudFilter& filter : cloud.filters)
-    filters.push_back({{"name", filter.name}, {"what", filter.what}, {"removed", filter.removed}});
-  return {{"name", object.name},
-          {"balls", cloud.size()},
-          {"largest_radius", cloud.largestRadius()},
-          {"unseen", isUnseenOccupied(object) ? "occupied" : "free"},
-          {"complete_within", jsonNumber(cloud.completeWithin())},
-          {"filters", filters},
-          {"bytes", cloud.size() * sizeof(planner::PointCloud::Ball)}};
-}
-
-Json cloudsJson(const planner::Problem& problem) {
-  Json list = Json::array();
-  for (const planner::Object& object : problem.world.objects)
-    if (object.cloud) list.push_back(cloudJson(object));
-  return list;
 }
 
 Json toJson(const planner::Problem& problem, const planner::PlanResult& result,

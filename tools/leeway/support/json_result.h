@@ -6,15 +6,10 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
+#include "planner/execute/unchecked_json.h"
 #include "tools/view/base/json_text.h"
 
 namespace leeway::tools {
-
-/// The clouds of the world, with the number of balls that each filter removed. An answer is valid
-/// for the remaining balls.
-Json cloudsJson(const planner::Problem& problem);
-/// One of them: the object's.
-Json cloudJson(const planner::Object& object);
 
 /// The bounds that are proven for constraints along a path.
 Json constraintsJson(const std::vector<planner::ConstraintResult>& results);

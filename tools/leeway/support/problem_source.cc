@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "leeway/planner/cloud_notes.h"
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/placed_model.h"
@@ -411,7 +412,7 @@ planner::Problem readProblem(const ProblemSource& source) {
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
   if (!isQuiet() && source.notes_clouds)
-    for (const std::string& note : cloudNotes(problem)) printMessage("note: " + note);
+    for (const std::string& note : planner::cloudNotes(problem)) printMessage("note: " + note);
   if (!source.waypoints.empty())
     takeWaypoints(source, problem);
   else if (!source.goal_pose.empty())

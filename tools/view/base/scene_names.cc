@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "leeway/planner/configuration_space.h"
-#include "leeway/planner/depth_image.h"
 #include "planner/validate/checks.h"
 #include "tools/view/base/figures.h"
 
@@ -37,29 +36,6 @@ std::string obstaclesText(const planner::Problem& problem) {
     if (o.motion && o.motion->age > 0)
       text += fmt::format(", '{}' where it was seen {:g} s before", o.name, o.motion->age);
   return text;
-}
-
-bool isUnseenOccupied(const planner::Object& object) {
-  return object.cloud && std::any_of(object.geometries.begin(), object.geometries.end(),
-                                     [](const auto& g) { return g.name == planner::kUnseenName; });
-}
-
-std::vector<std::string> cloudNotes(const planner::Problem& problem) {
-  std::vector<std::string> notes;
-  for (const planner::Object& object : problem.world.objects) {
-    if (!object.cloud) continue;
-    for (const planner::CloudFilter& filter : object.cloud->filters)
-      if (filter.removed > 0 && filter.name != "thin")
-        notes.push_back(
-            fmt::format("cloud '{}' leaves out {} {}", object.name, filter.removed, filter.what));
-    notes.push_back(
-        isUnseenOccupied(object)
-            ? fmt::format("cloud '{}': space that its camera did not see counts as occupied within "
-                          "its picture and range ({} parts), and as free elsewhere",
-                          object.name, object.geometries.size())
-            : fmt::format("cloud '{}': space that was not seen counts as free", object.name));
-  }
-  return notes;
 }
 
 namespace {

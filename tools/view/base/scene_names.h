@@ -21,10 +21,6 @@ PairNames pairNames(const planner::CompiledScene& scene, int pair);
 bool movesAsKnown(const planner::Problem& problem);
 /// planner::obstaclesAt() as the end of a sentence, with a space before it.
 std::string obstaclesText(const planner::Problem& problem);
-/// Whether what the camera of the object's cloud did not see counts as occupied.
-bool isUnseenOccupied(const planner::Object& object);
-/// What answers do not cover of each cloud: balls that filters removed, and unseen space.
-std::vector<std::string> cloudNotes(const planner::Problem& problem);
 
 /// Returns a line for each constraint of a problem, with the bounds that are proven along a path.
 /// `results`: one each; none where they are not proven.
