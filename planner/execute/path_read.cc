@@ -42,6 +42,7 @@ struct Table {
   std::string interpolation;  ///< as the certificate names it; may be empty
   int interpolation_line = 0;
   int accelerations_line = 0;  ///< of the first accelerations without velocities; 0: none
+  int conditions_line = 0;     ///< of a condition that the path was planned with; 0: none
   std::vector<PathStep> steps;
 };
 
@@ -190,6 +191,8 @@ Table readTrajectory(const YamlReader& file, const YamlReader* outer = nullptr) 
       table.interpolation = interpolation->text();
       table.interpolation_line = interpolation->line();
     }
+    if (const auto conditions = certificate->find("conditions"))
+      table.conditions_line = conditions->line();
   }
   // A controller that gets velocities moves on cubics, which are lines where the motion stops at
   // its corners. Orientations alone do not move on cubics.
@@ -585,6 +588,11 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   if (table.cubic && !options.cubics && options.warnings != nullptr)
     options.warnings->push_back(
         file + ": lines join its rows here, and cubics in its motion, which 'verify' proves");
+  if (table.conditions_line > 0 && !problem.condition.accept && options.warnings != nullptr)
+    options.warnings->push_back(
+        fmt::format("{}:{}: the path was planned with a condition of a program, at sampled states; "
+                    "the problem does not have it, and no answer covers it",
+                    file, table.conditions_line));
   if (table.accelerations_line > 0 && options.warnings != nullptr)
     options.warnings->push_back(
         fmt::format("{}:{}: accelerations without velocities are not read; straight motions join "

@@ -670,7 +670,7 @@ def test_no_edit_is_lost_while_another_thread_places_the_start(robot, world):
     assert problem.margin == 1e-5 * 199
 
 
-def test_a_condition_in_python_restricts_the_search(robot, world):
+def test_a_condition_in_python_restricts_the_search(robot, world, tmp_path):
     """Over the post, not beside it: the first joint keeps away from the middle while the hand is low."""
     problem = leeway.Problem(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.01, time=60)
     asked = []
@@ -684,6 +684,12 @@ def test_a_condition_in_python_restricts_the_search(robot, world):
     assert result and same(result, again) and leeway.verify(problem, result)
     assert result.planner == "Connect" and result.certificate.conditions == "sampled" and "condition sampled" in repr(result)
     assert leeway.plan(problem).certificate.conditions is None and "condition" not in repr(leeway.plan(problem))
+    # Regression: the page said "certified", and a saved path forgot what it was planned with.
+    result.view(tmp_path / "page.html")
+    assert '"verdict":"certified, condition sampled"' in (tmp_path / "page.html").read_text()
+    result.save(tmp_path / "path.json")
+    with pytest.warns(UserWarning, match="path.json:[0-9]+: the path was planned with a condition"):
+        assert leeway.verify(problem, tmp_path / "path.json")
     assert len(result.path) > 2 and result.trajectory().blends == 0  # a blend would leave what was asked
     for a, b in zip(result.path, result.path[1:]):
         assert np.all(robot.interpolate(a, b, np.linspace(0, 1, 2 + int(robot.distance(a, b) / 0.05)))[:, 1] < 0.5)

@@ -229,12 +229,17 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   subject.timeline =
       timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least, failures);
   if (!nothing.empty()) return subject;
-  subject.verdict = subject.good ? "certified" : "not certified";
+  // The problem of a result may not have the condition that it was planned with.
+  const bool is_sampled =
+      problem.condition.accept || (certificate != nullptr && !certificate->conditions.empty());
+  subject.verdict = !subject.good ? "not certified"
+                    : is_sampled  ? "certified, condition sampled"
+                                  : "certified";
   if (subject.good) noteClearances(subject);
   if (subject.good && !problem.constraints.empty())
     if (const auto proven = planner::proveConstraints(*subject.scene, problem, path))
       addLines(constraintsText(problem, *proven), subject);
-  if (subject.good && problem.condition.accept)
+  if (subject.good && is_sampled)
     subject.notes.push_back(
         "A condition of the program holds at the states that were looked at; nothing is proven "
         "about it between them.");
