@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collision/base/numbers.h"
+#include "collision/scene/scene_access.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/kinematics.h"
 #include "tools/view/base/pairs_too_near.h"
@@ -25,6 +26,8 @@ constexpr double kBodyPairs = 4e6;
 /// Work limit for the bound of one stretch, about 3 ms (EdgeRequest::work_limit).
 constexpr std::int64_t kStretchWork = 3'000'000;
 constexpr double kStretchTolerance = 1e-4;  // [m]
+/// How far obstacles are searched, first and last, before all are [m].
+constexpr double kFirstReach = 0.1, kLastReach = 1e3;
 /// Limit on the vertices of all frames of an obstacle, so that a page stays small.
 constexpr std::size_t kFrameVertices = 2'500'000;
 constexpr std::size_t kFrames = 200;
@@ -54,24 +57,31 @@ class BodyClearances {
     place(position);
     const collision::Scene& scene = scene_->scene();
     std::vector<double> clearance(scene.bodies().size(), kInfinity);
-    for (auto p = scene.pairs().begin(); p != scene.pairs().end(); ++p) {
-      const collision::ScenePair pair = *p;
+    const auto look = [&](std::size_t number) {
+      const collision::ScenePair pair = scene.pairs()[number];
       double& a = clearance[at(pair.body_a)];
       double& b = clearance[at(pair.body_b)];
       const bool b_counts = all_ || scene.bodies()[at(pair.body_b)].moving;
       const double apart = bound(pair);
-      if (apart > a && (!b_counts || apart > b)) continue;
-      const double upper = pairDistance(scene, workspace_, static_cast<int>(p.number()),
-                                        {.tolerance = kMomentTolerance})
-                               .distance.upper;
+      if (apart > a && (!b_counts || apart > b)) return;
+      const double upper =
+          pairDistance(scene, workspace_, static_cast<int>(number), {.tolerance = kMomentTolerance})
+              .distance.upper;
       a = std::min(a, upper);
       if (b_counts) b = std::min(b, upper);
+    };
+    if (all_) {
+      for (auto p = scene.pairs().begin(); p != scene.pairs().end(); ++p) look(p.number());
+      return clearance;
     }
+    for (std::size_t p = 0; p < scene.pairs().listedCount(); ++p) look(p);
+    for (std::size_t row = 0; row < scene.pairs().rows().size(); ++row)
+      visitNear(row, clearance[at(scene.pairs().rows()[row].body)], look);
     return clearance;
   }
 
-  /// Adds the distance of two bodies of `shown` at a position. O(pairs of their geometries); in a
-  /// world with many objects O(pairs of the body).
+  /// Adds the distance of two bodies of `shown` at a position. O(listed pairs + those that are
+  /// near).
   void measure(const std::vector<double>& position, const CompiledScene& shown, PairCurve& curve) {
     const auto body = [&](int b) {
       return &shown == scene_.get() ? b : scene_->scene().find(shown.scene().bodies()[at(b)].name);
@@ -81,32 +91,36 @@ class BodyClearances {
     collision::DistanceResult nearest;
     nearest.distance = {kNaN, kNaN};
     const collision::Scene& scene = scene_->scene();
-    for (const std::size_t number : numbersOf(a, b)) {
+    const auto look = [&](std::size_t number) {
       const collision::ScenePair pair = scene.pairs()[number];
+      if (std::minmax(pair.body_a, pair.body_b) != std::minmax(a, b)) return;
       curve.pair.margin = pair.margin;
-      if (bound(pair) > nearest.distance.upper) continue;
+      if (bound(pair) > nearest.distance.upper) return;
       collision::DistanceResult found = pairDistance(scene, workspace_, static_cast<int>(number),
                                                      {.tolerance = kMomentTolerance});
-      if (found.distance.upper >= nearest.distance.upper) continue;
+      if (found.distance.upper >= nearest.distance.upper) return;
       if (pair.body_a != a) std::swap(found.point_a, found.point_b);
       nearest = found;
-    }
+    };
+    for (std::size_t p = 0; p < scene.pairs().listedCount(); ++p) look(p);
+    for (std::size_t row = 0; row < scene.pairs().rows().size(); ++row)
+      if (const int body = scene.pairs().rows()[row].body; body == a || body == b)
+        visitNear(row, nearest.distance.upper, look);
     curve.distance.push_back(nearest.distance.upper);
     curve.point_a.push_back(nearest.point_a);
     curve.point_b.push_back(nearest.point_b);
   }
 
  private:
-  /// The pairs of two bodies. Searches for them once.
-  const std::vector<std::size_t>& numbersOf(int a, int b) {
-    const auto [entry, is_new] = numbers_.try_emplace(std::minmax(a, b));
-    if (!is_new || a < 0 || b < 0) return entry->second;
-    const auto& pairs = scene_->scene().pairs();
-    for (auto p = pairs.begin(); p != pairs.end(); ++p)
-      if (const collision::ScenePair pair = *p;
-          std::minmax(pair.body_a, pair.body_b) == std::minmax(a, b))
-        entry->second.push_back(p.number());
-    return entry->second;
+  /// Calls look(number) for the pairs of a row of the table that may be nearer than `least` [m],
+  /// which look() lowers. Searches ever farther, because a cloud has millions of balls.
+  template <class Look>
+  void visitNear(std::size_t row, const double& least, const Look& look) {
+    for (double reach = kFirstReach;; reach = reach < kLastReach ? 4 * reach : kInfinity) {
+      collision::forEachNearInRow(scene_->scene(), workspace_, row, reach,
+                                  [&](int number) { look(at(number)); });
+      if (least <= reach || std::isinf(reach)) return;
+    }
   }
 
   void place(const std::vector<double>& position) {
@@ -136,7 +150,6 @@ class BodyClearances {
   std::shared_ptr<const CompiledScene> scene_;
   collision::Workspace workspace_;
   bool all_;
-  std::map<std::pair<int, int>, std::vector<std::size_t>> numbers_;
   std::vector<double> q_;
   std::vector<collision::Pose> X_WL_;
 };
