@@ -139,6 +139,7 @@ std::string logLine(const Problem& problem, const ReplanResult& result, double l
                      {"waits", result.waits},
                      {"evasions", result.evasions},
                      {"clouds", cloudsJson(problem)},
+                     {"warnings", problemWarnings(problem)},
                      {"time_s",
                       {{"load", load_s},
                        {"compute", result.compute_s},

@@ -139,6 +139,8 @@ TEST_F(Info, ACloudIsOneEntry) {
         << verb;
   EXPECT_EQ(run("check cloud.yaml --state start --json").document()["clouds"],
             json::array({cloud}));
+  write("wide.yaml", text + "margin: 9\n");  // no state is valid
+  EXPECT_EQ(run("plan wide.yaml --json").document()["clouds"], json::array({cloud}));
   EXPECT_EQ(run("replan cloud.yaml --json").lines().back()["clouds"], json::array({cloud}));
   for (const char* verb : {"check", "plan", "lint"})
     EXPECT_LE(run(std::string(verb) + " cloud.yaml").status, 1) << verb;

@@ -333,7 +333,8 @@ int runCheck(const CheckArguments& arguments) {
                {"reason", nothing_checked.empty() ? Json() : Json(nothing_checked)},
                {"states", list},
                {"not_checked", planner::uncheckedJson(unchecked)},
-               {"clouds", planner::cloudsJson(problem)}});
+               {"clouds", planner::cloudsJson(problem)},
+               {"warnings", planner::problemWarnings(problem)}});
   } else {
     fmt::print("{}", wrapped((nothing_checked.empty()
                                   ? planner::toString(unchecked) + obstaclesText(problem)

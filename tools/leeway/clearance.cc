@@ -476,7 +476,9 @@ int runClearance(ClearanceArguments& arguments) {
   if (arguments.json) {
     Json document = profileJson(problem, profile);
     document["interrupted"] = interrupted();
-    document["warnings"] = warnings;
+    std::vector<std::string> all = planner::problemWarnings(problem);
+    all.insert(all.end(), warnings.begin(), warnings.end());
+    document["warnings"] = all;
     printJson(document);
   } else {
     if (interrupted()) fmt::print("Interrupted: what is not measured yet is open.\n");

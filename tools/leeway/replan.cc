@@ -87,6 +87,7 @@ and at the end, with version:
   replans                 plans besides the first
   clouds[]                of the problem: name, balls, largest_radius, unseen (free, occupied),
                           complete_within, filters that removed balls, bytes
+  warnings[]              of the problem
   time_s                  of computing: load, compute (all steps), longest_step
   sum                     as above
 The lines are a log: `leeway verify PROBLEM.yaml --log FILE` proves what they state.

@@ -344,6 +344,7 @@ Json problemJson(const planner::Problem& problem) {
           {"objects", objects},
           {"attached", attached},
           {"clouds", planner::cloudsJson(problem)},
+          {"warnings", problem.warnings},
           {"moving", movingJson(problem)},
           {"deforming", deformingJson(problem)},
           {"execution", executionJson(problem)},

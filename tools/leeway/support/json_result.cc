@@ -164,6 +164,8 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
     document["length"] = jsonNumber(result.length);
     document["certificate"] = certificateJson(problem, result.certificate, trajectory);
     if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
+  } else {
+    document["clouds"] = planner::cloudsJson(problem);
   }
   if (invalid) {
     document["offending"] = result.reason.empty() ? offendingJson(problem, result) : Json();
