@@ -239,8 +239,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
 
   /// Lists the pairs that may come as near as the least known distance.
   void listWholeEdge(int start, int end) {
-    // Depths are searched among pairs: those near contact are few.
-    if (hasRows() && enough() > 0) return listRows(start, end);
+    // Rows are swept. Depths are searched among pairs: those near contact are few.
+    if (hasRows() && sweeps_ && enough() > 0) return listRows(start, end);
     const double reach = std::max(best.clearance.upper, 0.0) + impl_.frames.pairs().mostRounding();
     if (!impl_.takeWholeEdge(start, end, reach)) settle(-kInfinity);
   }
