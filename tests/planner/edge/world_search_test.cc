@@ -80,7 +80,7 @@ TEST(WorldSearch, ClearancesAreThoseOfAllPairs) {
   for (int p = 0; p < 24; ++p) {
     auto model = p % 3 == 0 ? testing::randomArm(random) : testing::randomTreeWithShapes(random);
     Problem problem = testing::randomProblem(random, std::move(model), p % 2, 2.0);
-    problem.world.objects.push_back(wall(random, 300, p % 4 == 0 ? 0.5 : 2.5));
+    problem.world.objects.push_back(wall(random, 300, p % 2 == 0 ? 0.5 : 2.5));
     if (p % 5 == 0) {
       problem.world.objects.push_back(wall(random, 200, 2.0));
       problem.world.objects.back().name = "second wall";

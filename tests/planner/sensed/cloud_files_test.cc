@@ -241,7 +241,7 @@ TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
               {"ends here, after 3 of 2000000000"});
   // Regression: points that the header does not count were lost where an element follows them.
   expectError("a.ply", with("vertex 3", "vertex 2").replace(whole.find("face 1"), 6, "face 0"), 18,
-              {"'3' follows the last element"});
+              {"'0' follows the last element"});
   expectError("a.ply", with("vertex 3", "vertex 2"), 18, {"'128'"});
   expectError("a.ply", header + plyRecords(false) + std::string(13, '\0'), 0,
               {"13 bytes follow the last element"});
