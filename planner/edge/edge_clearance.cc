@@ -254,6 +254,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
     });
     RowRule rule(*this);
     impl_.world->rows.subdivide(EdgeQueue::Order::kByLevel, rule);
+    // A contact was found on the way: boxes bound no depths.
+    if (!isCutOff() && !(enough() > 0)) listWholeEdge(start, end);
   }
 
   /// The rule for the tasks of rows: settles those that are far enough, and lists the pairs of
@@ -263,6 +265,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
     explicit RowRule(ClearanceSearch& search) : search_(search), impl_(search.impl_) {}
 
     bool sweep(EdgeInterval& interval) {
+      if (!(search_.enough() > 0)) return false;
       if (impl_.world->rows.startsLevel()) {
         before_ = after_;
         after_ = kInfinity;

@@ -253,6 +253,10 @@ struct Guard::Impl {
     for (std::size_t i = 0; i < place.size(); ++i)
       leaves = leaves ||
                !(std::abs(offMotion(i, place[i])) <= options.joint_errors[i] + kVerifyWaypoint);
+    if (!leaves)  // setpoints follow in the turn that was measured
+      for (std::size_t i = 0; i < place.size(); ++i)
+        if (std::abs(place[i] - next.row(0)[i]) > std::numbers::pi)
+          next.row(0)[i] = place[i] - offMotion(i, place[i]);
     if (leaves) {
       // Without a time, the velocity of the motion before does not say how fast the robot is.
       const bool is_fast = has_begun && !has_time && moves.empty();
@@ -388,9 +392,11 @@ struct Guard::Impl {
 
   /// Names a limit that the robot breaks where the motion begins: setpoints may lead back inside.
   void checkBeginning() {
-    for (int i = 0; i < static_cast<int>(size) && answer.reason == GuardReason::kPassed; ++i)
-      if (isCircle(i) || keepsRange(i, next.row(0)[at(i)]))
-        keeps(MotionLimit::kVelocity, i, next.velocity[at(i)], options.limits.velocity[at(i)], 0);
+    for (int i = 0; i < static_cast<int>(size); ++i)
+      if (!(isCircle(i) || keepsRange(i, next.row(0)[at(i)])) ||
+          !keeps(MotionLimit::kVelocity, i, next.velocity[at(i)], options.limits.velocity[at(i)],
+                 0))
+        return;
   }
 
   bool keepsRange(int variable, double q) {
@@ -515,14 +521,17 @@ struct Guard::Impl {
         const int free = std::max(0, proof.freeUntil(next, 0, count));
         if (free < count) failAsProof(false);
         count = free;
-      } else {
-        checkBeginning();
       }
     }
     for (int k = count; k >= 0; --k) {
-      if (hasStop(k)) return true;
+      if (hasStop(k)) {
+        if (k == 0 && answer.reason == GuardReason::kPassed) checkBeginning();
+        return true;
+      }
       if (proof.isSpent()) break;
     }
+    // There is too little room for a stop: perhaps the robot is too fast, or elsewhere.
+    if (answer.reason == GuardReason::kNotCertified && answer.a.empty()) checkBeginning();
     return false;
   }
 

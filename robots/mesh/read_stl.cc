@@ -109,27 +109,22 @@ bool isPrintable(std::byte byte) {
   return isBlank(c) || (c >= ' ' && c <= '~');
 }
 
-/// Whether 50 bytes after the last declared triangle are a triangle, as far as can be determined;
-/// if so, the count is wrong. (Other data there belongs to other programs.) `fits`: a whole number
-/// of triangles follows. These may then have any normal, noise in place of zeros, and any usual
-/// size.
-bool isTriangleOf(const FileMesh& mesh, const std::byte* bytes, bool fits) {
+/// Whether the 50 bytes after the last declared triangle are a triangle, as far as can be
+/// determined; if so, the count is wrong. (Other data there belongs to other programs.)
+bool isTriangleOf(const FileMesh& mesh, const std::byte* bytes) {
   double largest = 0;
   for (const Eigen::Vector3d& v : mesh.vertices)
     largest = std::max(largest, v.cwiseAbs().maxCoeff());
-  const double lower = fits ? 1e-30 : 1e-12 * largest, upper = fits ? 1e12 : 100 * largest;
   double most = 0;
-  for (std::size_t k = fits ? 3 : 0; k < 12; ++k) {
+  for (std::size_t k = 0; k < 12; ++k) {
     const double value = std::abs(static_cast<double>(loadNumber<float>(bytes + 4 * k)));
     if (!std::isfinite(value)) return false;
-    if (k < 3) {  // a normal
-      if (value > 2) return false;
-      continue;
-    }
-    if (value != 0 && value < lower) return false;
+    if (k < 3 && value > 2) return false;  // a normal
+    if (k < 3) continue;
     most = std::max(most, value);
+    if (value != 0 && value < 1e-12 * largest) return false;
   }
-  return most > 0 && most <= upper;
+  return most > 0 && most <= 100 * largest;
 }
 
 FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
@@ -174,10 +169,12 @@ FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
   }
   const std::size_t end = kHeader + count * kFacet;
   const bool fits = (bytes.size() - end) % kFacet == 0;
-  bool is_more = room > count && count == 0;
-  for (std::size_t i = count; i < (fits ? room : std::min(room, count + 1)) && !is_more; ++i)
-    is_more = isTriangleOf(mesh, &bytes[kHeader + i * kFacet], fits);
-  if (is_more)
+  // A whole number of facets counts as triangles unless it is one byte, repeated.
+  const auto isFilled = [&] {
+    return std::all_of(bytes.begin() + static_cast<std::ptrdiff_t>(end), bytes.end(),
+                       [&](std::byte byte) { return byte == bytes[end]; });
+  };
+  if (room > count && (count == 0 || (fits ? !isFilled() : isTriangleOf(mesh, &bytes[end]))))
     source.failAt(FilePlace::byte(kHeader - 4),
                   "the count is " + std::to_string(count) + ", but more triangles follow, up to " +
                       std::to_string(room) + "; their number would be accepted");

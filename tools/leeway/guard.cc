@@ -218,8 +218,8 @@ class LineReader {
   static std::vector<double> rowOf(const Json& value, std::size_t columns,
                                    const std::string& where) {
     if (!value.is_array() || value.size() != columns)
-      throw LineFault{fmt::format("{} is {}; a list of {} numbers is expected", where,
-                                  jsonText(value).substr(0, 60), columns)};
+      throw LineFault{fmt::format("{} is {}; a list of {} is expected", where,
+                                  jsonText(value).substr(0, 60), counted(columns, "number"))};
     std::vector<double> row;
     for (const Json& entry : value) row.push_back(number(entry, where));
     return row;
@@ -230,7 +230,7 @@ class LineReader {
                                     const std::string& where) {
     if (!value.is_array())
       throw LineFault{fmt::format("{} is {}; a list of rows of {} numbers is expected", where,
-                                  jsonText(value).substr(0, 60), columns)};
+                                  jsonText(value).substr(0, 60), counted(columns, "number"))};
     std::vector<double> rows;
     for (std::size_t i = 0; i < value.size(); ++i) {
       const std::vector<double> row = rowOf(value[i], columns, fmt::format("{}[{}]", where, i));
@@ -284,7 +284,7 @@ class LineReader {
     while (end < text.size() && kEnds.find(text[end]) == std::string_view::npos) ++end;
     return fmt::format(
         "byte {}: '{}' is not JSON there; numbers such as -0.5, lists and objects "
-        "are expected, and null for what was not measured",
+        "are expected, and null for points that were not measured",
         byte, text.substr(begin, std::clamp<std::size_t>(end - begin, 1, kShown)));
   }
 
@@ -719,11 +719,12 @@ class Session {
           "observe: the cloud of '{}' has {}, and is refused: it is empty, its "
           "numbers are too large, or it was carved at another pose",
           line.object, counted(line.cloud->balls.size(), "ball"));
-    if (line.X_WO)
-      return fmt::format(
-          "observe: the pose of '{}' is refused: its numbers are too large, or its "
-          "cloud was carved at another one",
-          line.object);
+    if (line.X_WO) {
+      const bool has_cloud =
+          std::find(clouds_.begin(), clouds_.end(), line.object) != clouds_.end();
+      return fmt::format("observe: the pose of '{}' is refused: its numbers are too large{}",
+                         line.object, has_cloud ? ", or its cloud was carved at another one" : "");
+    }
     const std::size_t vertices = vertices_.at(line.object);
     return line.vertices.size() == vertices
                ? std::string("observe.vertices: their numbers are too large")

@@ -181,12 +181,12 @@ std::string summaryText(const planner::ReplanResult& result,
   };
   const std::string nearest = view::nearestText(executed, result.certified);
   return wrapped(nearest + (nearest.empty() ? "" : "\n") +
-                 fmt::format("{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
+                 fmt::format("{}.\n{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
                              "Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n",
-                             lasted, some(result.steps, "step"), some(result.plans, "plan"),
-                             result.replans, some(result.waits, "wait"),
-                             some(result.evasions, "evasion"), result.seed, result.compute_s,
-                             result.longest_step_s * 1e3));
+                             planner::toString(result.unchecked), lasted,
+                             some(result.steps, "step"), some(result.plans, "plan"), result.replans,
+                             some(result.waits, "wait"), some(result.evasions, "evasion"),
+                             result.seed, result.compute_s, result.longest_step_s * 1e3));
 }
 
 /// Warns of pairs that are checked although they touch at zero, and of parts of the problem that an

@@ -54,9 +54,10 @@ class StepsPasses {
     }
     LeastClearance& least = found_.least;
     least.world.clearance.lower = std::min(least.world.clearance.lower, scene_->completeWithin());
+    found_.is_self_nearer = least.self.clearance.upper < least.world.clearance.upper;
     if (!found_.is_known && std::isfinite(least.world.clearance.upper))
       least.world.clearance.upper = kInfinity;
-    least.all = least.self.clearance.upper < least.world.clearance.upper ? least.self : least.world;
+    least.all = found_.is_self_nearer ? least.self : least.world;
     least.all.clearance.lower = std::min(least.world.clearance.lower, least.self.clearance.lower);
     return found_;
   }

@@ -24,10 +24,9 @@ struct ExecutedClearance {
   /// Whether the motions of all obstacles are known. If not, the clearances are those that are
   /// kept whatever the obstacles do within their bounds, and have no upper end.
   bool is_known = true;
+  bool is_self_nearer = false;  ///< the robot comes nearer to itself than to the world
 
-  const ExecutedPlace& all() const {
-    return least.self.clearance.upper < least.world.clearance.upper ? self : world;
-  }
+  const ExecutedPlace& all() const { return is_self_nearer ? self : world; }
 };
 
 /// Refines the clearances of steps as people see them, as leastClearance() does for paths: parts of

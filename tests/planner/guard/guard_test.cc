@@ -1704,9 +1704,15 @@ TEST(Guard, WholeTurnsOfACircleStayOnTheMotion) {
   for (const double turns : {-3, -1, 1, 2}) {
     place[2] = angle + turns * 2 * std::numbers::pi;
     EXPECT_TRUE(guard.check({.position = place}).certified);
-    EXPECT_EQ(guard.answer().start[2], angle) << turns;
+    EXPECT_NEAR(guard.answer().start[2], place[2], 1e-12) << turns;
+    // Setpoints follow in the turn that was measured.
+    const std::vector<double> next = {place[0], place[1], place[2] + 1e-4};
+    EXPECT_EQ(guard.check({.setpoints = next, .position = place}).passed, 1) << turns;
+    place[2] = next[2];
+    EXPECT_TRUE(guard.check({.position = place}).certified);
+    place[2] = guard.answer().start[2];
   }
-  place[2] = angle + 0.1 + 2 * std::numbers::pi;
+  place[2] += 0.1;
   guard.check({.position = place});
   EXPECT_EQ(guard.answer().start[2], place[2]) << "it is elsewhere";
 }

@@ -129,9 +129,9 @@ TEST(ReadStl, BytesAfterTheTrianglesAreTold) {
 
 TEST(ReadStl, DamagedFiles) {
   const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readStl, damaged); };
-  // Whole facets follow, with any normal and size: the count is wrong.
+  // Whole facets follow, with any normal and size, beside numbers of any kind: the count is wrong.
   const std::vector<float> one = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  for (const float x : {1e-17F, 900.0F}) {
+  for (const float x : {1e-17F, 3.7e-33F, 900.0F, std::numeric_limits<float>::quiet_NaN()}) {
     const std::vector<float> more = {0, 0, 0, x, 0, 0, 0, 1, 0};
     std::string wrong = binaryStl({one, one, one, more}, 2);
     wrong.replace(84 + 2 * 50, 50, 50, 'x');  // the first is none
