@@ -37,6 +37,7 @@
 
 #include "leeway/collision/scene.h"
 #include "tools/lab/base/statistics.h"
+#include "tools/lab/bench/cpu_time.h"
 #include "tools/lab/bench/pair_families.h"
 #include "tools/lab/bench/program.h"
 #include "tools/lab/bench/splitmix.h"
@@ -44,6 +45,7 @@
 
 namespace {
 
+using leeway::bench::cpuNanoseconds;
 using leeway::bench::Pair;
 using leeway::bench::pairFamilies;
 using leeway::bench::PairFamily;
@@ -239,15 +241,15 @@ void runAmong(int count, double size, bool turned, int rounds, std::uint64_t see
   int contacts = 0, differ = 0;
   for (int round = 0; round < rounds; ++round) {
     std::vector<bool> meets;
-    double start = now();
+    double start = cpuNanoseconds();
     for (const ours::Pose& X : queries) {
       workspace.setPose(0, X);
       meets.push_back(decide(scene, workspace).verdict != ours::Verdict::kFree);
     }
-    time.push_back(now() - start);
+    time.push_back(cpuNanoseconds() - start);
     std::size_t i = 0;
     contacts = differ = 0;
-    start = now();
+    start = cpuNanoseconds();
     for (const ours::Pose& X : queries) {
       moving.setTransform(leeway::lab::isometry(X));
       moving.computeAABB();
@@ -256,7 +258,7 @@ void runAmong(int count, double size, bool turned, int rounds, std::uint64_t see
       contacts += found.result.isCollision() ? 1 : 0;
       differ += meets[i++] != found.result.isCollision() ? 1 : 0;
     }
-    their_time.push_back(now() - start);
+    their_time.push_back(cpuNanoseconds() - start);
   }
   const double each = 1 / static_cast<double>(queries.size());
   std::printf("%6d %6.1f %-6s %8.0f %8.0f %7.2f %9d %6d\n", count, size, turned ? "yes" : "no",
