@@ -104,7 +104,7 @@ class BodyClearances {
     };
     for (std::size_t p = 0; p < scene.pairs().listedCount(); ++p) look(p);
     for (std::size_t row = 0; row < scene.pairs().rows().size(); ++row)
-      if (const int body = scene.pairs().rows()[row].body; body == a || body == b)
+      if (const int moving = scene.pairs().rows()[row].body; moving == a || moving == b)
         visitNear(row, nearest.distance.upper, look);
     curve.distance.push_back(nearest.distance.upper);
     curve.point_a.push_back(nearest.point_a);
