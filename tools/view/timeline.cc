@@ -117,8 +117,10 @@ class BodyClearances {
   template <class Look>
   void visitNear(std::size_t row, const double& least, const Look& look) {
     for (double reach = kFirstReach;; reach = reach < kLastReach ? 4 * reach : kInfinity) {
-      collision::forEachNearInRow(scene_->scene(), workspace_, row, reach,
-                                  [&](int number) { look(at(number)); });
+      collision::forEachNearInRow(scene_->scene(), workspace_, row, reach, [&](int number) {
+        look(at(number));
+        return true;
+      });
       if (least <= reach || std::isinf(reach)) return;
     }
   }

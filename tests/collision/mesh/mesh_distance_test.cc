@@ -258,7 +258,6 @@ TEST(MeshDistance, BetweenMeshes) {
   EXPECT_GT(tally.crossing, 50 / share);
 }
 
-// Meshes of real robots: concave, open, many components.
 /// A mesh whose vertices are `offset` from where they were; on a grid, so that the move is exact.
 Shape movedOnGrid(TriangleSoup soup, const Vector3d& offset) {
   for (Vector3d& v : soup.vertices) v = Vector3d((v * 0x1p20).array().round()) * 0x1p-20 + offset;
@@ -312,6 +311,7 @@ TEST(MeshDistance, FarFromItsOriginAMeshIsAsNearAndAsFast) {
   }
 }
 
+// Meshes of real robots: concave, open, many components.
 TEST(MeshDistance, LinksOfRobots) {
   const auto files = meshFiles();
   if (files.empty()) GTEST_SKIP() << "no test data";
