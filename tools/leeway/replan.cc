@@ -46,7 +46,8 @@ constexpr const char* kReplanKeys =
   clearance_lower, clearance_upper
                           least separation over the whole step, measured: the lower bound may be
                           below a pair's margin, which certified proves
-  closest.a, closest.b    between these
+  closest.a, closest.b    the pair that is kept apart least, with the obstacles where they are in the
+                          middle of each proven part of the step
   look_ahead              time after the step for which going on, or standing, is certified
   path_held               what was left of the path held in the world as it was seen
   broken.a, broken.b      else these were in the way

@@ -26,7 +26,7 @@ constexpr double kExecutedWidths[] = {1e-4, 1e-5, 1.9e-6, 1e-7};  // [m]
 constexpr std::int64_t kRowWork = kFigureWork / 10;
 /// Limit on placements of obstacles that move in each pass, times the vertices that each updates
 /// and what it costs besides.
-constexpr double kPlacedVertices = 5e7, kPlacementCost = 1000;
+constexpr double kPlacedVertices = 2e7, kPlacementCost = 1000;
 constexpr int kMostHalvings = 40;  // of a row
 
 /// Passes over the steps of an execution, each with narrower intervals.
@@ -79,6 +79,7 @@ class StepsPasses {
     placements_ = 0;
     lower_[0] = lower_[1] = kInfinity;
     planner::Obstacles obstacles(problem_, scene_);
+    found_.has_obstacles = !obstacles.empty();
     EdgeCertifier still(obstacles.still());
     std::vector<std::unique_ptr<EdgeCertifier>> movers(obstacles.groups());
     for (const planner::ReplanStep& step : steps_) {
@@ -225,7 +226,8 @@ std::string nearestText(const ExecutedClearance& executed, bool certified) {
 std::string keptText(const ExecutedClearance& executed) {
   const planner::Interval& clearance = executed.least.all.clearance;
   return std::isfinite(clearance.lower)
-             ? fmt::format("{} while the obstacles move", leastText(executed.least))
+             ? leastText(executed.least) +
+                   (executed.has_obstacles ? " while the obstacles move" : "")
              : "there is nothing else that it could touch";
 }
 

@@ -25,13 +25,15 @@ struct ExecutedClearance {
   /// kept whatever the obstacles do within their bounds, and have no upper end.
   bool is_known = true;
   bool is_self_nearer = false;  ///< the robot comes nearer to itself than to the world
+  bool has_obstacles = false;   ///< that move
 
   const ExecutedPlace& all() const { return is_self_nearer ? self : world; }
 };
 
 /// Refines the clearances of steps as people see them, as leastClearance() does for paths: parts of
 /// the motion are halved until the obstacles stand nearly still in each. `stop` may return true to
-/// accept wider intervals. Costs a second at most.
+/// accept wider intervals. Work limits leave them wider where a robot keeps its distance from what
+/// moves fast.
 ExecutedClearance executedClearance(const planner::Problem& problem,
                                     const std::shared_ptr<const planner::CompiledScene>& scene,
                                     const std::vector<planner::ReplanStep>& steps,
