@@ -1721,8 +1721,10 @@ TEST(Guard, ARobotWithoutAStopIsNotTakenToRest) {
   Guard guard(test::wallProblem());
   const std::vector<double> place = {-1, -1, 0}, fast = {1e6, 0, 0};
   EXPECT_FALSE(guard.check({.position = place, .velocity = fast}).certified);
-  EXPECT_EQ(guard.answer().reason, GuardReason::kNotCertified);
-  EXPECT_TRUE(guard.answer().in_stop);
+  EXPECT_EQ(guard.answer().reason, GuardReason::kLimit);
+  EXPECT_EQ(guard.answer().limit, MotionLimit::kVelocity);
+  EXPECT_EQ(guard.answer().variable, 0);
+  EXPECT_EQ(guard.answer().value, 1e6);
   EXPECT_FALSE(guard.check({}).certified);
   EXPECT_FALSE(guard.check({}).certified);
   EXPECT_TRUE(guard.check({.position = place}).certified);
