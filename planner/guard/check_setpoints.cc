@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -237,6 +238,14 @@ struct Guard::Impl {
     return has_turns ? std::remainder(off, 2 * std::numbers::pi) : off;
   }
 
+  /// Where setpoints or polynomials of a variable begin; they may make no sense.
+  std::optional<double> firstOf(const GuardRequest& request, std::size_t i) const {
+    if (request.setpoints.size() >= size) return request.setpoints[i];
+    const std::size_t terms = request.polynomials.size() / size;
+    if (terms > 0) return request.polynomials[i * terms];
+    return {};
+  }
+
   /// Takes the request's time and state; false where they make no sense. The robot is at a position
   /// that is readable also where the rest is not.
   bool begin(const GuardRequest& request) {
@@ -253,10 +262,15 @@ struct Guard::Impl {
     for (std::size_t i = 0; i < place.size(); ++i)
       leaves = leaves ||
                !(std::abs(offMotion(i, place[i])) <= options.joint_errors[i] + kVerifyWaypoint);
-    if (!leaves)  // setpoints follow in the turn that was measured
-      for (std::size_t i = 0; i < place.size(); ++i)
-        if (std::abs(place[i] - next.row(0)[i]) > std::numbers::pi)
-          next.row(0)[i] = place[i] - offMotion(i, place[i]);
+    if (!leaves)
+      for (std::size_t i = 0; i < place.size(); ++i) {
+        double& now = next.row(0)[i];
+        const std::optional<double> first = firstOf(request, i);
+        // Setpoints follow in the turn that is commanded, or in the one that was measured.
+        if (first && std::abs(place[i] - now) > std::numbers::pi &&
+            std::abs(*first - place[i]) < std::abs(*first - now))
+          now = place[i] - offMotion(i, place[i]);
+      }
     if (leaves) {
       // Without a time, the velocity of the motion before does not say how fast the robot is.
       const bool is_fast = has_begun && !has_time && moves.empty();

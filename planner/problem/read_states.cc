@@ -480,7 +480,11 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
     const std::vector<int> of =
         group >= 0 ? model.groups[at(group)].variables : std::vector{variable};
     VariableRanges own(model.variables.size());
-    if (what == "goal" && state == "any")
+    const auto isAny = [&](const robots::GroupState& known) {
+      return known.name == state && group >= 0 && known.group == name;
+    };
+    const bool is_state = std::any_of(model.group_states.begin(), model.group_states.end(), isAny);
+    if (what == "goal" && state == "any" && !is_state)
       for (const int v : of) own[at(v)] = anyRange(model, v, what + " of " + name, "", 0);
     else
       own = statedRanges(what + " of " + name, state, model, of, group >= 0 ? name : "");

@@ -153,6 +153,7 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
                                  {kPoseStarts, kPoseSolutions}};
   robots::IkResult solved;
   int starts = 0;
+  bool is_alone = false;  // without the constraints
   for (const Effort& effort : kEfforts) {
     if (drawn.complete || (starts > 0 && stop())) break;
     options.starts = effort.starts;
@@ -161,7 +162,8 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
     // alone is solved; its solutions may satisfy the constraints.
     const bool is_last = effort.starts == kPoseStarts && drawn.found.empty();
     options.prove = is_last;
-    if (is_last && constraints_) drawn.poses = goal.poses;
+    is_alone = is_last && constraints_;
+    if (is_alone) drawn.poses = goal.poses;
     drawn.broken.clear();
     drawn.breaking = 0;
     solved = kinematics_->solve(drawn.poses, problem_.start, options);
@@ -188,7 +190,7 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
     reason = fmt::format(
         "no joint values were found for it from {} starts{}; the nearest are {:.3g} mm and {:.3g} "
         "degrees off",
-        starts, constraints_ ? ", even without the constraints" : "",
+        starts, is_alone ? ", even without the constraints" : "",
         solved.nearest.error.position * 1e3, solved.nearest.error.angle * 180 / std::numbers::pi);
   if (!reason.empty() && result.reason.empty() && !stopped) {
     result.reason = "goal '" + goal.name + "': " + reason;

@@ -222,7 +222,7 @@ void PlyFile::skip(const PlyElement& element, std::size_t begin, std::size_t end
 void PlyFile::finish() const {
   Words rest(rest_, line_ + 1);
   const std::string_view next = rest.next();
-  if (next.empty()) return;
+  if (order_ ? rest_.empty() || rest_ == "\n" || rest_ == "\r\n" : next.empty()) return;
   failAt(order_ ? byteOf(rest_.data()) : rest.place(),
          (order_ ? std::to_string(rest_.size()) + " bytes follow" : shown(next) + " follows") +
              " the last element; a header that names as many elements as there are would be "

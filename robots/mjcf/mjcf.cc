@@ -135,7 +135,7 @@ class MjcfReader {
     }
     const UrdfJoint& master = jointOf(a, "joint2");
     if (c[2] != 0 || c[3] != 0 || c[4] != 0)
-      return leaveOut("its polycoef is not a line; the joint moves on its own");
+      return leaveOut("its polycoef is not a line; the joint is independent");
     if (joint.has_mimic || follows(master, joint)) return leaveOut(kCoupled);
     joint.has_mimic = true;
     joint.mimic = master.name;

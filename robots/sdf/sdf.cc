@@ -366,7 +366,8 @@ class SdfReader {
       // Joints of static models stand at 0, a gearbox has no position.
       const bool is_still = std::string_view(frame(master).element->Attribute("type")) != "gearbox";
       if (is_still) lockAt(*joint, offset);
-      return file.leaveOut(*mimic, left_out + (is_still ? "stands still" : "moves on its own"));
+      return file.leaveOut(*mimic,
+                           left_out + (is_still ? "stands still" : "is an independent joint"));
     }
     joint->has_mimic = true;
     joint->mimic = jointName(frame(master));

@@ -119,7 +119,7 @@ UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options, bool with_visua
 collision::Shape primitiveOf(const UrdfCollision& geometry);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
-/// position. A mimic of a joint that is not defined moves on its own, with a warning. Called by
+/// position. A mimic of a joint that is not defined is an independent joint, with a warning. Called by
 /// readUrdf().
 void checkStructure(UrdfDocument& document);
 

@@ -1,6 +1,7 @@
 // Checks on a URDF as a whole: a tree of links, mimics that end at a joint with a position.
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -87,8 +88,8 @@ class StructureCheck {
            "the links form a cycle: " + way + " (each below the next); a tree would be accepted");
   }
 
-  /// A joint whose master is not defined moves on its own. Refuses a name that is close to that of
-  /// another joint, because that one is meant.
+  /// A joint whose master is not defined is an independent joint. Refuses a name that is close to
+  /// that of another joint, because that one is meant.
   void loseMaster(UrdfJoint& joint) {
     std::vector<std::string> names;
     for (const UrdfJoint& known : document_.joints)
@@ -98,7 +99,10 @@ class StructureCheck {
     const std::string nearest = suggestion(joint.mimic, names);
     if (!nearest.empty()) failAt(joint, joint.mimic_line, what + "; " + nearest);
     document_.warnings.push_back(joint.file + ":" + std::to_string(joint.mimic_line) + ": " + what +
-                                 ": it moves on its own");
+                                 ": it is an independent joint" +
+                                 (joint.type == JointType::kPrismatic && std::isinf(joint.upper)
+                                      ? ", which needs bounds to be planned"
+                                      : ""));
     joint.has_mimic = false;
   }
 

@@ -378,7 +378,10 @@ std::string failuresText(const Profile& profile) {
   int count = 0;
   for (const Stretch& stretch : profile.stretches)
     if (!stretch.failure.empty() && ++count <= kShown) text += stretch.failure + ".\n";
-  return count <= kShown ? text : text + fmt::format("{} more do not.\n", count - kShown);
+  if (count == kShown + 1) text += "1 more stretch does not keep its margins.\n";
+  if (count > kShown + 1)
+    text += fmt::format("{} more stretches do not keep their margins.\n", count - kShown);
+  return text;
 }
 
 void printText(const planner::Problem& problem, const Profile& profile,

@@ -229,7 +229,7 @@ class LineReader {
   static std::vector<double> rowsOf(const Json& value, std::size_t columns,
                                     const std::string& where) {
     if (!value.is_array())
-      throw LineFault{fmt::format("{} is {}; a list of rows of {} numbers is expected", where,
+      throw LineFault{fmt::format("{} is {}; a list of rows of {} is expected", where,
                                   jsonText(value).substr(0, 60), counted(columns, "number"))};
     std::vector<double> rows;
     for (std::size_t i = 0; i < value.size(); ++i) {

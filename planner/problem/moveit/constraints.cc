@@ -217,10 +217,11 @@ void readPathOrientation(const YamlReader& constraint, HeaderFrames& frames, Pro
     path.angle = narrowed(tilt);
     if (is_vector) {
       path.angle = 2 * std::asin(path.angle / std::numbers::pi);
-      warn(fmt::format(
-          "allows {:.4g} rad of the rotation vector about two axes; the path tilts the third by at "
-          "most {:.4g} rad, which keeps that however far it turns",
-          tilt, path.angle));
+      warn(
+          fmt::format("allows {:.4g} rad of the rotation vector about two axes; the path tilts the "
+                      "third axis by "
+                      "at most {:.4g} rad, which keeps both at any turn about that axis",
+                      tilt, path.angle));
     }
     add(path, constraint, problem);
     if (is_free) return;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "leeway/planner/point_cloud.h"
 #include "planner/base/tolerances.h"
 #include "tests/support/random_problem.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {
@@ -119,6 +121,42 @@ TEST(WorldSearch, ClearancesAreThoseOfAllPairs) {
   EXPECT_GT(apart, 20);
   EXPECT_GT(touching, 5);
   EXPECT_GT(states, 10);
+}
+
+/// Regression: boxes bounded depths by 298.5 mm where 544.5 mm are true, after a contact was found
+/// on the way.
+TEST(WorldSearch, ContactsOnTheWayAreMeasuredAmongPairs) {
+  Random random(1);
+  for (int k = 0; k < 10; ++k) {
+    const auto about = [&](double x, double radius, int balls, double spread) {
+      std::vector<Eigen::Vector3d> points;
+      for (int i = 0; i < balls; ++i)
+        points.emplace_back(x + spread * random.uniform(-1, 1), random.uniform(-0.02, 0.02),
+                            random.uniform(-0.02, 0.02));
+      Object object;
+      object.name = "cloud " + std::to_string(balls);
+      object.cloud = cloudOf(points, radius);
+      return object;
+    };
+    Problem problem =
+        test::problemOf(robots::freeBody("ball", {{collision::Shape::sphere(0.05), {}, "ball"}},
+                                         robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
+                        {-2, 0, 0}, {2, 0, 0});
+    problem.world.objects = {about(0, 0.3, 900, 1.1),
+                             about(random.uniform(-1, 1), random.uniform(0.31, 0.6), 20, 0.02)};
+    double truth = kInfinity;
+    for (const Object& object : problem.world.objects)
+      for (const PointCloud::Ball& ball : object.cloud->balls)
+        truth = std::min(truth, ball.center.tail<2>().norm() - ball.radius - 0.05);
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    ASSERT_GT(scene->scene().pairs().size(), kManyPairs);
+    const Interval found = EdgeCertifier(scene)
+                               .edgeClearance(std::vector<double>{-2, 0, 0},
+                                              std::vector<double>{2, 0, 0}, {.tolerance = 1e-5})
+                               .clearance;
+    EXPECT_LE(found.lower, truth) << k;
+    EXPECT_GE(found.upper, truth) << k;
+  }
 }
 
 /// Regression: the clearance near a large cloud was "between 0 and 386 mm" after seconds of work.

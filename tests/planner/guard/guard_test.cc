@@ -1697,24 +1697,23 @@ TEST(Guard, AStopDoesNotTurnACircleTheOtherWay) {
 
 /// Regression: drivers report the angle of a continuous joint with whole turns, or without them.
 TEST(Guard, WholeTurnsOfACircleStayOnTheMotion) {
-  Guard guard(test::wallProblem());
-  guard.check({});
-  std::vector<double> place(guard.answer().start.begin(), guard.answer().start.end());
-  const double angle = place[2];
-  for (const double turns : {-3, -1, 1, 2}) {
-    place[2] = angle + turns * 2 * std::numbers::pi;
-    EXPECT_TRUE(guard.check({.position = place}).certified);
-    EXPECT_NEAR(guard.answer().start[2], place[2], 1e-12) << turns;
-    // Setpoints follow in the turn that was measured.
-    const std::vector<double> next = {place[0], place[1], place[2] + 1e-4};
-    EXPECT_EQ(guard.check({.setpoints = next, .position = place}).passed, 1) << turns;
-    place[2] = next[2];
-    EXPECT_TRUE(guard.check({.position = place}).certified);
-    place[2] = guard.answer().start[2];
-  }
-  place[2] += 0.1;
-  guard.check({.position = place});
-  EXPECT_EQ(guard.answer().start[2], place[2]) << "it is elsewhere";
+  for (const double turns : {-3, -1, 1, 2})
+    for (const bool follows_measured : {false, true}) {
+      Guard guard(test::wallProblem());
+      guard.check({});
+      const std::vector<double> start(guard.answer().start.begin(), guard.answer().start.end());
+      std::vector<double> measured = start, next = start;
+      measured[2] += turns * 2 * std::numbers::pi;
+      EXPECT_TRUE(guard.check({.position = measured}).certified);
+      EXPECT_EQ(guard.answer().start[2], start[2]) << "without setpoints, the commanded turn";
+      // Setpoints follow in the turn that was measured, or in the one that is commanded.
+      next[2] = (follows_measured ? measured : start)[2] + 1e-4;
+      EXPECT_EQ(guard.check({.setpoints = next, .position = measured}).passed, 1) << turns;
+      EXPECT_NEAR(guard.answer().start[2], next[2] - 1e-4, 1e-12);
+      measured[2] += 0.1;
+      guard.check({.position = measured});
+      EXPECT_EQ(guard.answer().start[2], measured[2]) << "it is elsewhere";
+    }
 }
 
 TEST(Guard, ARobotWithoutAStopIsNotTakenToRest) {

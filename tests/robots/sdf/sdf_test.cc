@@ -291,7 +291,7 @@ TEST(Sdf, MimicsOfWhatIsLeftOut) {
       load(sdf(links + "g" + numbers + joint("<axis><xyz>0 0 1</xyz></axis>") +
                "<joint name=\"g\" type=\"gearbox\"><parent>a</parent><child>b</child></joint>"));
   EXPECT_EQ(geared->variables.size(), 2u);
-  expectWarning(*geared, "\"k\" mimics \"g\", which is left out: it moves on its own");
+  expectWarning(*geared, "\"k\" mimics \"g\", which is left out: it is an independent joint");
   const auto still =
       load(sdf(links + "s::j" + numbers + joint("<axis><xyz>0 0 1</xyz></axis>") +
                "<model name=\"s\"><static>1</static><link name=\"a\"/><link name=\"b\"/>" +

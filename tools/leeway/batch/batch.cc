@@ -447,10 +447,15 @@ void printTable(const std::vector<Tallies::Folder>& folders) {
 
 /// A line of a terminal, in place of JSON.
 std::string lineForPeople(const Json& line) {
-  const std::string status = line["status"];
+  std::string status = line["status"];
   const Json certificate = line.value("certificate", Json());
-  const bool certified =
+  const Json verified = line.value("verify", Json());
+  bool certified =
       status == "solved" && certificate.is_object() && certificate.value("certified", false);
+  if (certified && verified.is_object() && verified["status"] != "certified") {
+    certified = false;
+    status = verified["status"];
+  }
   std::string text = fmt::format("{}: {}", line["problem"].get<std::string>(),
                                  verdictText(certified ? "certified" : status, certified));
   if (line.contains("obstacles_at") && line["obstacles_at"].is_number())
