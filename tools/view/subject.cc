@@ -226,8 +226,8 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   } else {
     verifyTask(path, subject);
   }
-  subject.timeline =
-      timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least, failures);
+  subject.timeline = timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least,
+                                    subject.good, failures);
   if (!nothing.empty()) return subject;
   // The problem of a result may not have the condition that it was planned with.
   const bool is_sampled =

@@ -414,8 +414,12 @@ void raiseBounds(const LeastClearance& least, Timeline& timeline) {
 /// Finds the pair that is farthest below its margin at any moment.
 class Failing {
  public:
+  /// `certified`: there is none, and moments need not be looked at.
+  explicit Failing(bool certified) : certified_(certified) {}
+
   /// Looks at a moment, whose robot and obstacles are those of the certifier's scene.
   void look(EdgeCertifier& certifier, const CompiledScene& shown, const Moment& moment) {
+    if (certified_) return;
     const planner::StateCheck check = certifier.tooNear(moment.position, kMomentTolerance);
     const Pair pair = pairOf(check, certifier.scene(), shown);
     const double beyond = check.clearance.upper - pair.margin;
@@ -445,6 +449,7 @@ class Failing {
   }
 
  private:
+  bool certified_;
   Pair pair_;
   double beyond_ = kInfinity;
 };
@@ -501,7 +506,7 @@ void addPairs(const planner::Problem& problem, const std::shared_ptr<const Compi
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const CompiledScene>& scene,
                         const planner::PathEdges& edges, const std::vector<Stage>& stages,
-                        const LeastClearance& least,
+                        const LeastClearance& least, bool certified,
                         const std::vector<std::pair<int, double>>& failures) {
   const planner::Path& path = edges.path;
   // Leaves out blends, because a page shows the edges that the certificate covers.
@@ -521,7 +526,7 @@ Timeline timelineOfPath(const planner::Problem& problem,
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
 
-  Failing failing;
+  Failing failing(certified);
   std::size_t waypoint = 0;
   auto time = times.begin();
   for (const Stage& stage : stages) {
@@ -569,7 +574,8 @@ Timeline timelineOfSteps(const planner::Problem& problem,
   Obstacles obstacles(problem, scene);
   EdgeCertifier certifier(scene);
   BodyClearances bodies(scene, steps.size() + 1);
-  Failing failing;
+  Failing failing(std::all_of(steps.begin(), steps.end(),
+                              [](const planner::ReplanStep& step) { return step.certified; }));
   const std::size_t most =
       std::min(kFrames, kFrameVertices / std::max<std::size_t>(obstacles.vertexCount(), 1) + 1);
   const std::size_t every = (steps.size() + most) / most;
@@ -638,7 +644,7 @@ Timeline timelineOfState(const planner::Problem& problem,
   Moment moment{0, position, {}, {}};
   measure(certifier, *stage.scene, *scene, moment);
   moment.placed = placedObjects(problem, *scene, stage.problem, position);
-  Failing failing;
+  Failing failing(false);
   failing.look(certifier, *scene, moment);
   if (moment.check.pair >= 0 && failing.found()) {
     const auto body = [&](const std::string& name) { return scene->scene().find(name); };

@@ -87,12 +87,12 @@ struct Timeline {
 /// The path at the velocities of the problem's execution, at rest in each waypoint, among the
 /// obstacles as they are at the start of the execution. Has about 250 moments, one for each
 /// waypoint, those of `least` and those of `failures`; fewer if a scene has very many pairs. Each
-/// stretch of a task is in the world of its step. `stages` belong to `edges.path`. `failures`:
-/// edges and places on them where a margin is not kept.
+/// stretch of a task is in the world of its step. `stages` belong to `edges.path`. `certified`: all
+/// margins are kept. `failures`: edges and places on them where one is not.
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const planner::CompiledScene>& scene,
                         const planner::PathEdges& edges, const std::vector<Stage>& stages,
-                        const LeastClearance& least,
+                        const LeastClearance& least, bool certified,
                         const std::vector<std::pair<int, double>>& failures = {});
 
 /// The executed motion with one moment per step and those of `executed`, and the obstacles as they
