@@ -119,8 +119,8 @@ UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options, bool with_visua
 collision::Shape primitiveOf(const UrdfCollision& geometry);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
-/// position. A mimic of a joint that is not defined is an independent joint, with a warning. Called by
-/// readUrdf().
+/// position. A mimic of a joint that is not defined is an independent joint, with a warning. Called
+/// by readUrdf().
 void checkStructure(UrdfDocument& document);
 
 /// Reads the document's essence with urdfdom, the reader that robot software shares. Throws

@@ -139,8 +139,12 @@ class BodyClearances {
   double bound(const collision::ScenePair& pair) const {
     const auto ball = [&](int body, int geometry) {
       const collision::Body& of = scene_->scene().bodies()[at(body)];
-      const collision::Geometry g = of.geometry(at(geometry));
       const collision::Pose& X_WB = of.moving ? workspace_.pose(body) : of.X_WB;
+      if (at(geometry) >= of.geometries.size()) {
+        const collision::Ball& one = (*of.balls)[at(geometry) - of.geometries.size()];
+        return std::pair(Eigen::Vector3d(X_WB * one.center), one.radius);
+      }
+      const collision::Geometry& g = of.geometries[at(geometry)];
       return std::pair(Eigen::Vector3d(X_WB * (g.X_BG * g.shape.boundingCenter())),
                        g.shape.boundingRadius());
     };

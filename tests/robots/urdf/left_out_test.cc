@@ -334,8 +334,8 @@ TEST_F(LeftOutOfUrdf, APrismaticJointWithoutLimitIsUnlimited) {
 TEST_F(LeftOutOfUrdf, AMimicOfAnUnknownJointMovesOnItsOwn) {
   const auto model =
       load(joint("\n<mimic joint=\"k\" multiplier=\"2\"/>" + limit("effort=\"1\" velocity=\"1\"")));
-  expectWarnings(*model,
-                 {":5: joint \"j\" mimics \"k\", which is not defined: it is an independent joint"});
+  expectWarnings(
+      *model, {":5: joint \"j\" mimics \"k\", which is not defined: it is an independent joint"});
   ASSERT_EQ(model->variables.size(), 1U);
   EXPECT_EQ(model->joints[1].mimic, -1);
   EXPECT_EQ(model->variables[0].upper, 1);
