@@ -14,11 +14,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/plan_overrides.h"
@@ -65,6 +67,8 @@ JSON, a document a line (metres, radians, seconds; null: nothing, or nothing kno
   time                    when `motion` begins
   passed, setpoints       how many setpoints passed, of how many; periods of polynomials
   certified               `motion` is proven: what passed, and the stop after it
+  not_checked             of the first answer alone: how many pairs no answer covers, with reasons
+                          (docs/json.md)
   reason                  passed; or why the next setpoint did not: limit, not_free, not_certified,
                           work, stale, jumped, invalid
   in_stop                 it concerns the stop after that setpoint
@@ -546,9 +550,10 @@ std::vector<double> jointErrors(const std::string& text, const std::vector<std::
 /// Answers each line; a wrong one stops the robot, and the next ones are read.
 class Session {
  public:
-  Session(const planner::Problem& problem, const planner::GuardOptions& options)
+  Session(const planner::Problem& problem, const planner::GuardOptions& options, Json not_checked)
       : guard_(problem, options),
         reader_(problem),
+        not_checked_(std::move(not_checked)),
         seed_(problem.seed),
         most_setpoints_(options.most_setpoints) {
     for (const planner::DeformingObstacle& o : problem.world.deforming) {
@@ -597,6 +602,7 @@ class Session {
     }
     document.update(answerJson(guard_.answer(), reader_.names()));
     document["setpoints"] = setpoints;
+    if (!not_checked_.is_null()) document["not_checked"] = std::exchange(not_checked_, nullptr);
     is_certified_ = is_certified_ && guard_.answer().certified;
     tell(message);
   }
@@ -751,6 +757,7 @@ class Session {
 
   planner::Guard guard_;
   LineReader reader_;
+  Json not_checked_;  // until the first answer
   std::uint64_t seed_;
   int most_setpoints_;
   // That deform; with a motion; clouds of it; at rest.
@@ -773,8 +780,10 @@ int runGuard(const GuardArguments& arguments) {
     names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
   planner::GuardOptions options = arguments.options;
   options.joint_errors = jointErrors(arguments.joint_errors, names);
-  printWarnings(planner::CompiledScene(problem).warnings());
-  Session session(problem, options);
+  const planner::CompiledScene scene(problem);
+  printWarnings(scene.warnings());
+  Session session(problem, options,
+                  planner::uncheckedJson(planner::countUnchecked(scene.dropped())));
   bool is_first = true;
   for (std::string line; std::getline(std::cin, line); is_first = false) {
     if (is_first && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
