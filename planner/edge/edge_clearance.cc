@@ -223,7 +223,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// Checks the pairs of a row at one configuration, nearest first.
   void searchRow(int slot, double t, int row) {
     const int piece = impl_.frames.pairs().rows()[at(row)].piece;
-    // What is nearest nearby is likely to be near here, too.
+    // The nearest pair of a neighbouring configuration is likely to be near here, too.
     if (best.pair >= 0 && !nearest_.is_self && nearest_.a == piece) refine(slot, t, nearest_);
     const WorldSearch::Result found = impl_.world->search.run(
         at(row), {slot, slot, 0}, std::numeric_limits<int>::max(), impl_.work,

@@ -77,7 +77,7 @@ bool WorldSearch::push(double lower, const collision::ObstacleBoxes& of, std::si
   std::int32_t pair = -1;
   const bool is_of_first = &of != boxes_;
   if (level == 0) {
-    // The slots of first() come before the others.
+    // Slots of first() have the lowest numbers.
     const std::size_t before = is_of_first || of.first() == nullptr ? 0 : of.first()->slots();
     const std::int32_t place = boxes_->obstacle(before + index);
     if (place >= 0) pair = frames_.scene().scene().pairs().numberOf(row_, at(place));

@@ -18,7 +18,7 @@ namespace leeway::planner {
 
 /// Branch and bound over the boxes of static bodies, best first. A node is bounded by the plane
 /// that separates the piece, swept over an interval, from the node's centre: its children lie
-/// beyond that plane by as much as their boxes do. So most boxes cost a few products, and one in
+/// beyond that plane at the distance of their boxes. So most boxes cost a few products, and one in
 /// sixteen a distance. A piece that is not convex has no such plane; its distance changes no faster
 /// than the point does. Allocates only in the constructor.
 class WorldSearch {

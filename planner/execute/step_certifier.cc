@@ -171,7 +171,7 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
     if (edge.pair < 0) return;
     least.lower = std::min(least.lower, std::max(edge.clearance.lower - growth, proven));
     least.upper = std::min(least.upper, edge.clearance.upper + growth);
-    // An obstacle's growth over a whole part says little: its middle is asked below.
+    // The growth over a whole part is too wide; the search below looks at its middle.
     if (growth <= tolerance) name(scene, edge.pair, edge.clearance.upper);
   };
   const auto ask = [&](EdgeCertifier& certifier, std::span<const TimedPoint> part, double growth,

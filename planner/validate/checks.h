@@ -192,7 +192,7 @@ std::vector<robots::Geometry> carveShapes(const Problem& problem,
                                           std::span<const std::string> names,
                                           std::span<const double> configuration);
 std::vector<PointCloud::Ball> robotReach(const Problem& problem);
-/// The ball in the world that a point of a link never leaves, whatever the planned joints do.
+/// The ball in the world that a point of a link stays in for all values of the planned joints.
 PointCloud::Ball pointReach(const Problem& problem, int link, const Eigen::Vector3d& p_L);
 /// poseRegion() for a problem that passed checkRobot(). `base_moves`: whether it may be relative to
 /// what planned joints move, which is then the region's base.

@@ -539,7 +539,7 @@ TEST_F(Plan, AFolderThatMayNotBeWrittenIsToldAtOnce) {
   expectRefused("plan reach.yaml --output kept/a.json", {"kept/a.json", "Permission denied"});
 }
 
-/// It is told once, by name, where it has no effect.
+/// One warning names it where it has no effect.
 TEST_F(Plan, ImproveIsLeftOutWhereItHasNoEffect) {
   const std::pair<const char*, const char*> kinds[] = {
       {"--planner RRTstar", "RRTstar has no such time"},

@@ -278,7 +278,7 @@ class LineReader {
     }
   }
 
-  /// What stands where a line is not JSON. `byte`: from 1.
+  /// The message about a line that is not JSON. `byte`: from 1.
   static std::string notJson(const std::string& text, std::size_t byte) {
     constexpr std::string_view kEnds = " \t\r,:[]{}";
     constexpr std::size_t kShown = 20;
@@ -696,7 +696,8 @@ class Session {
                   .time = line.time});
   }
 
-  /// Says that an observation has the wrong keys for its object, or that there is no such object.
+  /// The message about an observation with an unknown object, or with keys of another kind of
+  /// object.
   std::string strangeObject(const Line& line, const std::vector<std::string>& known) const {
     const std::string& name = line.object;
     const auto isIn = [&](const std::vector<std::string>& list) {

@@ -21,8 +21,8 @@ struct ExecutedPlace {
 struct ExecutedClearance {
   LeastClearance least;
   ExecutedPlace world, self;  ///< of the upper ends; without a position: nothing is near
-  /// Whether the motions of all obstacles are known. If not, the clearances are those that are
-  /// kept whatever the obstacles do within their bounds, and have no upper end.
+  /// Whether the motions of all obstacles are known. If not, the clearances hold for all
+  /// motions of the obstacles within their bounds, and have no upper end.
   bool is_known = true;
   bool is_self_nearer = false;  ///< the robot comes nearer to itself than to the world
   bool has_obstacles = false;   ///< that move
@@ -42,7 +42,8 @@ ExecutedClearance executedClearance(const planner::Problem& problem,
 /// Where it was nearest, for people: "Nearest: hand and post, 42.86 mm, at 0.85 s."; empty if
 /// nothing is near. `certified`: all steps are.
 std::string nearestText(const ExecutedClearance& executed, bool certified);
-/// What every step is proven to keep: "least clearance 42.86 mm", "at least 5.00 mm", ...
+/// The clearance that every step is proven to keep: "least clearance 42.86 mm", "at least 5.00 mm",
+/// ...
 std::string keptText(const ExecutedClearance& executed);
 
 }  // namespace leeway::tools::view

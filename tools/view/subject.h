@@ -36,7 +36,7 @@ struct Subject {
   std::vector<std::string> warnings = {};  ///< of loaders and scene, without this machine's folders
   std::vector<planner::BlockedPair> blocked = {};  ///< of a plan without a path
   std::string path_file = {};  ///< where the path comes from: its file, or "plan"
-  /// Of an execution: its least clearance is known, not only that of moments.
+  /// The least clearance of an execution is known, not only that of its moments.
   bool measured_throughout = false;
 };
 

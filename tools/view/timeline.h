@@ -71,8 +71,8 @@ struct Timeline {
   int least_world = -1, least_self = -1;
   /// The nearest pairs, nearest first; of a single moment, those that do not keep their margins.
   std::vector<PairCurve> pairs;
-  /// Of `pairs`, one that does not keep its margin although the nearest pair does: margins differ.
-  /// -1: there is none.
+  /// Index in `pairs` of a pair that breaks its margin although the nearest pair keeps its own.
+  /// -1: no such pair.
   int failing = -1;
   /// The clearance of each moving body at each moment, [moment][body of the scene], and the least
   /// of every body over all moments. Upper bounds [m]. Infinity: nothing is near that it is checked

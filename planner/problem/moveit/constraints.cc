@@ -183,7 +183,7 @@ void readPathOrientation(const YamlReader& constraint, HeaderFrames& frames, Pro
                         "absolute_z_axis_tolerance"};
   for (std::size_t i = 0; i < 3; ++i)
     tolerances[i] = constraint.at(keys[i], "an angle [rad]").sizeNumber();
-  // Of the three angles b is at most a right angle; its axis is not the one that tilts.
+  // The angle b is at most a right angle, so that its axis cannot be the one that tilts.
   std::size_t widest = tolerances[0] > tolerances[2] ? 0 : 2;
   if (is_vector && tolerances[1] > tolerances[widest]) widest = 1;
   double tilt = kInfinity;

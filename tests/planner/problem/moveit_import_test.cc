@@ -1095,7 +1095,7 @@ TEST_F(MoveitImport, WideOrientationConstraintsOfThePathAreNarrowed) {
       std::string::npos);
 }
 
-/// What the constraints allow, MoveIt's three angles do.
+/// Turns that keep the constraints keep MoveIt's three tolerances.
 TEST_F(MoveitImport, OrientationConstraintsAllowNoMoreThanThreeAngles) {
   Random random(2);
   int allowed = 0;

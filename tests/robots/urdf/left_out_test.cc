@@ -330,7 +330,8 @@ TEST_F(LeftOutOfUrdf, APrismaticJointWithoutLimitIsUnlimited) {
   EXPECT_LT(model->variables[0].lower, model->variables[0].upper);
 }
 
-/// Published grippers mimic joints that are not there. Its own name is no suggestion.
+/// Published grippers mimic joints that do not exist. The message does not suggest the joint
+/// itself.
 TEST_F(LeftOutOfUrdf, AMimicOfAnUnknownJointMovesOnItsOwn) {
   const auto model =
       load(joint("\n<mimic joint=\"k\" multiplier=\"2\"/>" + limit("effort=\"1\" velocity=\"1\"")));
