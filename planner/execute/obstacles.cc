@@ -57,7 +57,9 @@ struct Obstacles::Followed {
   /// How far its points are from where they were last seen [m]; NaN as for jump().
   virtual double moved(const Sight& sight) const = 0;
   /// See Obstacles::jump().
-  virtual double jump(const Sight& sight, double time) const {
+  virtual double jump(const Sight& sight, double time) const { return pointsJump(sight, time); }
+  /// The same by the bound on the speed of points alone.
+  double pointsJump(const Sight& sight, double time) const {
     return moved(sight) - agedGrowth(time);
   }
   /// Takes a sight; throws std::invalid_argument where it makes no sense.
@@ -201,7 +203,7 @@ struct Obstacles::Rigid : Followed {
     return (X_WO.rotation - present.rotation).norm() / std::sqrt(2.0);
   }
   double jump(const Sight& sight, double time) const override {
-    const double of_points = Followed::jump(sight, time);
+    const double of_points = pointsJump(sight, time);
     const auto* const X_WO = std::get_if<robots::Pose>(&sight);
     if (X_WO == nullptr || std::isnan(of_points)) return of_points;
     // One of the bounds may be broken where both together are not.
@@ -252,9 +254,7 @@ struct Obstacles::Cloud final : Rigid {
     return CloudScene::fault(other->cloud.get(), placeOf(*other)).empty() ? 0 : kNaN;
   }
   /// The bound of a cloud is one on the speed of its points.
-  double jump(const Sight& sight, double time) const override {
-    return Followed::jump(sight, time);
-  }
+  double jump(const Sight& sight, double time) const override { return pointsJump(sight, time); }
   void see(const Sight& sight, double time, double speed) override {
     if (const CloudSight* const other = cloudOf(sight)) {
       const robots::Pose X_WO = placeOf(*other);
