@@ -170,7 +170,7 @@ void PlyFile::expectRoom(const PlyElement& element) const {
     if (!order_ || property.count) return;
     size += property.type.size;
   }
-  if (element.count > rest_.size() / size) failAtEnd(element, rest_.size() / size);
+  if (size > 0 && element.count > rest_.size() / size) failAtEnd(element, rest_.size() / size);
 }
 
 void PlyFile::beginRow() {
