@@ -20,7 +20,8 @@ namespace leeway::planner {
 /// that separates the piece, swept over an interval, from the node's centre: its children lie
 /// beyond that plane at the distance of their boxes. So most boxes cost a few products, and one in
 /// sixteen a distance. A piece that is not convex has no such plane; its distance changes no faster
-/// than the point does. Allocates only in the constructor.
+/// than the point does. The bounds are on distances, not on depths: they prove nothing below 0.
+/// Allocates only in the constructor.
 class WorldSearch {
  public:
   /// Refers to both.

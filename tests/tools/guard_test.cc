@@ -44,7 +44,7 @@ TEST_F(GuardVerb, AnswersEachLine) {
   EXPECT_EQ(lines[0]["start"], json::parse("[-1, 0]"));
   EXPECT_GT(lines[0]["motion"].size(), 30u);
   EXPECT_GT(lines[0]["counts"]["edges"], 0);
-  // The pairs that no answer covers are told once.
+  // The first answer lists the pairs that no answer covers.
   EXPECT_EQ(lines[0]["not_checked"], run("check reach.yaml --json").document()["not_checked"]);
   EXPECT_EQ(lines[0]["not_checked"]["pairs"], 1);
   EXPECT_FALSE(lines[1].contains("not_checked"));

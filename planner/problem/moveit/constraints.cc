@@ -183,7 +183,7 @@ void readPathOrientation(const YamlReader& constraint, HeaderFrames& frames, Pro
                         "absolute_z_axis_tolerance"};
   for (std::size_t i = 0; i < 3; ++i)
     tolerances[i] = constraint.at(keys[i], "an angle [rad]").sizeNumber();
-  // The angle b is at most a right angle, so that its axis cannot be the one that tilts.
+  // Of three angles, a tilt of x or of z bounds two; a tilt of y bounds none.
   std::size_t widest = tolerances[0] > tolerances[2] ? 0 : 2;
   if (is_vector && tolerances[1] > tolerances[widest]) widest = 1;
   double tilt = kInfinity;
@@ -208,7 +208,8 @@ void readPathOrientation(const YamlReader& constraint, HeaderFrames& frames, Pro
           angle, kMostEulerTurn));
     return std::min(angle, kMostEulerTurn);
   };
-  // Where one tolerance is larger than the others, these bound a tilt, and it the whole turn.
+  // The smaller two tolerances bound a tilt of the axis with the largest one, which bounds the
+  // whole turn.
   const bool tilts = is_free || (std::min(tolerances[widest], kMostEulerTurn) > tilt && !is_vector);
   if (tilts) {
     path.turn = Constraint::Turn::kAxis;

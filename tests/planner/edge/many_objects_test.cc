@@ -222,15 +222,15 @@ TEST(ManyObjects, FarThingsChangeNothing) {
     EXPECT_EQ(s.clearance.lower, t.clearance.lower);
     EXPECT_EQ(s.clearance.upper, t.clearance.upper);
     EXPECT_EQ(s.pair, t.pair);
-    const EdgeClearance e = x.edgeClearance(a, b, 1e-3, 0), f = y.edgeClearance(a, b, 1e-3, 0);
+    const EdgeClearance e = x.edgeClearance(a, b, 1e-7, 0), f = y.edgeClearance(a, b, 1e-7, 0);
     // Searches of other boxes end with other intervals of the same value. Equal ends may be
     // infinite.
     EXPECT_LE(e.clearance.lower, f.clearance.upper);
     EXPECT_LE(f.clearance.lower, e.clearance.upper);
     if (e.clearance.lower != f.clearance.lower) {
-      EXPECT_NEAR(e.clearance.lower, f.clearance.lower, 1e-3);
+      EXPECT_NEAR(e.clearance.lower, f.clearance.lower, 1e-7);
     }
-    EXPECT_NEAR(e.clearance.upper, f.clearance.upper, 1e-3);
+    EXPECT_NEAR(e.clearance.upper, f.clearance.upper, 1e-7);
   }
 }
 

@@ -68,7 +68,9 @@ struct GuardRequest {
   static constexpr int kMostTerms = 8;
   /// Where the robot was measured. Within GuardOptions::joint_errors (and 1e-9) of the motion of
   /// the last answer, that motion goes on from where it is; farther off, and in the first call, the
-  /// next motion begins here. Empty: on that motion; in the first call, the problem's start.
+  /// next motion begins here. Whole turns of a continuous joint do not count: setpoints go on in
+  /// the commanded turn or in the measured one, whichever the first of them is nearer to. Empty: on
+  /// that motion; in the first call, the problem's start.
   std::span<const double> position = {};
   /// Where the motion begins at `position`: its velocity there [rad/s or m/s]. Empty: that of the
   /// last answer's motion; in the first call, rest. Where the motion begins, and this, or in the
