@@ -68,7 +68,8 @@ class PlyFile {
   std::size_t count(const PlyProperty& list);
   /// Skips the properties from `begin` to before `end`.
   void skip(const PlyElement& element, std::size_t begin, std::size_t end);
-  /// Call this after the last element. Fails if more than blanks follow.
+  /// Call this after the last element. Fails if more than blanks follow, in a binary file more than
+  /// one line end.
   void finish() const;
 
   /// Reports that the last number is not as expected.

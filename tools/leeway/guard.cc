@@ -269,7 +269,7 @@ class LineReader {
       return Json::parse(text, look);
     } catch (const Json::parse_error& error) {
       throw LineFault{notJson(text, error.byte)};
-    } catch (const Json::exception& error) {  // a number of which no double is near
+    } catch (const Json::exception& error) {  // a number that is too large for a double
       const std::string what = error.what();
       const std::size_t begin = std::min(what.find('\''), what.size());
       throw LineFault{fmt::format("{}{} is too large; a size of at most {:.2g} is expected",
